@@ -1,0 +1,229 @@
+"""Baking files: where the results go, what they may replace, and one after the other.
+
+Whatever can be refused is refused before the first mesh is read.
+"""
+
+from __future__ import annotations
+
+import os
+import time
+import warnings
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from os.path import exists, isdir, realpath  # unlike Path's, these never raise
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from meshdepict import samples
+from meshdepict.baking import Baked, bake
+from meshdepict.console import about, complain, notes, progress_bar
+from meshdepict.errors import MeshdepictError
+from meshdepict.io import read_mesh, read_provenance
+from meshdepict.io.source import FORMATS, suffix_of
+from meshdepict.viewer.picture import check_picture, read_picture_provenance
+
+if TYPE_CHECKING:
+    from meshdepict.mesh import Mesh
+
+__all__ = ["Batch", "check_settings"]
+
+_GOLF_BALL = "golf-ball"
+_MEMORY = "out of memory: a simplified mesh needs less"
+
+
+@dataclass(frozen=True)
+class Job:
+    """One bake: from a file, or the built-in golf ball where ``source`` is None."""
+
+    source: Path | None
+    output: Path
+    picture: Path | None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Batch:
+    """Meshes to bake alike.
+
+    Attributes
+    ----------
+    inputs : sequence of Path
+        None at all means the built-in golf ball.
+    settings : mapping
+        Keyword arguments of `bake`.
+    output, picture : str, optional
+        A file or an existing folder; with several inputs, a folder. Without ``output`` the
+        current folder, without ``picture`` no picture.
+    size : (int, int)
+        Of the picture, in pixels.
+    winding : {"auto", "keep"}
+    fix_winding : bool
+        Whether turned faces are written.
+    force : bool
+        Whether to replace files that this program didn't write.
+    quiet : bool
+    """
+
+    inputs: Sequence[Path]
+    settings: Mapping[str, Any]
+    output: str | None = None
+    picture: str | None = None
+    size: tuple[int, int] = (1000, 1000)
+    winding: str = "auto"
+    fix_winding: bool = False
+    force: bool = False
+    quiet: bool = False
+
+    @cached_property
+    def _real_inputs(self) -> frozenset[str]:
+        return frozenset(map(realpath, self.inputs))
+
+    def run(self) -> int:
+        """Bake everything that can be baked; return how many failed, each with one line."""
+        check_settings(self.settings)
+        if len(self.inputs) > 1:
+            for option, folder in (("-o", self.output), ("--picture", self.picture)):
+                if folder is not None and not isdir(folder):
+                    raise MeshdepictError(
+                        f"{option} {folder} is no existing folder: several meshes need one"
+                    )
+        sources: Sequence[Path | None] = self.inputs or [None]
+        jobs: dict[str, Job] = {}  # by the file that they write
+        for source in sources:
+            try:
+                job = self._plan(source)
+                twin = jobs.setdefault(realpath(job.output), job)
+                if twin is not job:
+                    raise MeshdepictError(
+                        f"{source} would become {job.output} as {twin.source} does: bake it alone"
+                    )
+            except MeshdepictError as error:
+                complain(error)
+        done = 0
+        for job in jobs.values():
+            try:
+                print(self._bake(job), flush=True)  # noqa: T201
+                done += 1
+            except MeshdepictError as error:
+                complain(about(job.source, error))
+            except MemoryError:
+                complain(about(job.source, _MEMORY))
+        if len(sources) > 1 and not self.quiet:
+            complain(f"{done} of {len(sources)} baked")
+        return len(sources) - done
+
+    def _plan(self, source: Path | None) -> Job:
+        """Choose and check the names of the files to write."""
+        if source is not None and not exists(source):
+            raise MeshdepictError(f"{source}: there is no such file")
+        name = f"{_stem(source)}-{self.settings['method']}"
+        output = _target(self.output or ".", f"{name}.ply", "-o")
+        _check_format(output)
+        picture = None
+        if self.picture is not None:
+            picture = _target(self.picture, f"{name}.png", "--picture")
+            check_picture(picture, self.size)
+        for path in filter(None, (output, picture)):
+            self._check_target(path)
+        return Job(source, output, picture)
+
+    def _check_target(self, path: Path) -> None:
+        """Refuse to replace what others wrote, and to write where that is impossible."""
+        if not isdir(path.parent):
+            raise MeshdepictError(f"{path} can't be written: there is no folder {path.parent}")
+        if not os.access(path.parent, os.W_OK):
+            raise MeshdepictError(f"{path} can't be written: {path.parent} may not be written to")
+        if self.force or not exists(path):
+            return
+        if realpath(path) in self._real_inputs:
+            raise MeshdepictError(
+                f"{path} is an input: choose another name, or replace it with --force"
+            )
+        if not _is_ours(path):
+            raise MeshdepictError(
+                f"{path} exists and was not written by meshdepict: choose another name, or replace "
+                "it with --force"
+            )
+
+    def _read(self, source: Path | None) -> Mesh:
+        if source is None:
+            return samples.golf_ball()
+        return read_mesh(source, winding=self.winding)
+
+    def _bake(self, job: Job) -> str:
+        """Bake one mesh, write the files and return the line about it."""
+        start = time.perf_counter()
+        label = job.source.name if job.source else _GOLF_BALL
+        with notes(job.source, quiet=self.quiet), progress_bar(label, quiet=self.quiet) as progress:
+            mesh = self._read(job.source)
+            if self.fix_winding:
+                mesh = mesh.rewound()
+            baked = bake(mesh, progress=progress, **self.settings)
+            baked.save(job.output)
+            if job.picture:
+                baked.picture(job.picture, size=self.size)
+        return _caption(job, baked, time.perf_counter() - start)
+
+
+def check_settings(settings: Mapping[str, Any]) -> None:
+    """Refuse settings that `bake` would refuse, by trying them on a sphere of twelve vertices.
+
+    Raises
+    ------
+    MeshdepictError
+        As `bake`, but for what depends on the mesh.
+    """
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # what they say is about the sphere
+        bake(samples.sphere(12), **{**settings, "albedo": "none"})
+
+
+def _stem(source: Path | None) -> str:
+    """Return a file's name without the suffixes that formats have."""
+    if source is None:
+        return _GOLF_BALL
+    name = Path(source.name)
+    while name.suffix.lower() in (*FORMATS, ".gz"):
+        name = name.with_suffix("")
+    return name.name
+
+
+def _target(given: str, name: str, option: str) -> Path:
+    """Return the file that an option names: itself, or one of the given name in a folder."""
+    path = Path(given)
+    if isdir(path):
+        return path / name
+    if given.endswith(("/", os.sep)):
+        raise MeshdepictError(f"{option} {given}: there is no such folder; make it first")
+    return path
+
+
+def _check_format(path: Path) -> None:
+    writable = [suffix for suffix in FORMATS if suffix != ".stl"]  # STL holds no colours
+    if suffix_of(path) not in writable:
+        raise MeshdepictError(
+            f"{path}: colours are saved as {', '.join(writable)} (also with .gz), not as "
+            f"{suffix_of(path) or 'a file without suffix'}"
+        )
+
+
+def _is_ours(path: Path) -> bool:
+    """Whether this program wrote an existing file: its provenance says so."""
+    if path.suffix.lower() == ".png":
+        return read_picture_provenance(path) is not None
+    try:
+        return read_provenance(path) is not None
+    except MeshdepictError:  # an empty file, for instance
+        return False
+
+
+def _caption(job: Job, baked: Baked, seconds: float) -> str:
+    """Return what a plate's caption needs: file, method, light, widths in file units, seconds."""
+    light = baked.provenance["light"].partition(" (")[0]  # its name, if it has one
+    count, *rest = baked.provenance["scales"].split(", ")
+    parts = [f"{job.output}: {baked.provenance['method']}", f"light {light}"]
+    if rest:
+        parts.append(f"{count} {rest[0]}")
+    if job.picture:
+        parts.append(f"picture {job.picture}")
+    return ", ".join([*parts, f"{seconds:.1f} s"])

@@ -1,0 +1,70 @@
+"""What a person reads on stderr beside the results: errors, notes and a progress bar."""
+
+from __future__ import annotations
+
+import sys
+import threading
+import warnings
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from meshdepict.errors import MeshdepictWarning
+
+__all__ = ["about", "complain", "notes", "progress_bar"]
+
+_PATIENCE = 0.5  # seconds without a sign of life
+
+
+def complain(message: object) -> None:
+    """Print one line on stderr."""
+    line = " ".join(str(message).split())
+    print(f"meshdepict: {line}", file=sys.stderr, flush=True)  # noqa: T201
+
+
+def about(path: Path | None, message: object) -> str:
+    """Return a message that begins with the file that it is about."""
+    text = str(message)
+    named = path is None or text.startswith((f"{path} ", f"{path}:"))
+    return text if named else f"{path}: {text}"
+
+
+@contextmanager
+def notes(path: Path | None = None, *, quiet: bool) -> Iterator[None]:
+    """Print this package's warnings as one line each, and none of other packages."""
+
+    def show(message: Warning | str, category: type[Warning], *_: object, **__: object) -> None:
+        if issubclass(category, MeshdepictWarning) and not quiet:
+            complain(f"note: {about(path, message)}")
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("always")
+        warnings.showwarning = show
+        yield
+
+
+@contextmanager
+def progress_bar(label: str, *, quiet: bool) -> Iterator[Callable[[float, float], None] | None]:
+    """Give a callable ``(done, total)`` that moves a bar, None where there is no terminal.
+
+    The bar appears when the work has lasted for half a second, and is gone at its end.
+    """
+    if quiet or not sys.stderr.isatty():
+        yield None
+        return
+    from rich.console import Console
+    from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+
+    columns = (TextColumn("{task.description}", markup=False), BarColumn(), TimeRemainingColumn())
+    bar = Progress(*columns, console=Console(stderr=True), transient=True)
+    task = bar.add_task(label, total=None)
+    timer = threading.Timer(_PATIENCE, bar.start)
+    timer.daemon = True
+    timer.start()
+    try:
+        yield lambda done, total: bar.update(task, completed=done, total=total)
+    finally:
+        timer.cancel()
+        timer.join()
+        if bar.live.is_started:
+            bar.stop()

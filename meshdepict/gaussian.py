@@ -1,0 +1,147 @@
+"""Gaussian sums over points: Σ_j c_j exp(−‖x_i − x_j‖² / 2 width²), fast, to a stated error.
+
+Two ways, chosen by their estimated cost: adding up neighbours (`direct_sums`), whose cost grows
+with the square of the width, and frequency space (`spectral_sums`), whose cost does not. Both
+leave an error relative to the largest mass anywhere, not to the mass at the target, so a
+small part beside a large one, or a vertex off the surface, is then computed again with as much
+more accuracy as it needs.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from meshdepict import direct_sums as direct
+from meshdepict import spectral_sums as spectral
+
+__all__ = ["gaussian_sums"]
+
+# How much smaller than the error asked for its sources are made at first. Each of them (neglected
+# neighbours, cut frequencies, false images, rounding) is relative to the largest mass around, and
+# within a scan masses differ by a factor of about three: rims, bends, neighbouring sheets.
+_MARGIN = 4.0
+_SPECTRAL_FLOOR = 1e-13  # what transforms in double precision can reach
+_TINY = 1e-290  # a Gaussian below this is zero in double precision
+_PAIR_SECONDS = 1.5e-9  # a pair of points and ten channels on one core, single precision
+
+
+def gaussian_sums(
+    points: NDArray[np.float64],
+    channels: NDArray[np.float64] | NDArray[np.float32],
+    width: float,
+    *,
+    error: float,
+    targets: NDArray[np.bool_] | None = None,
+    heaviest: float | None = None,
+    done: Callable[[float], None] | None = None,
+) -> NDArray[Any]:
+    """Sum Gaussians of the given width, centred at every point, at every point.
+
+    Parameters
+    ----------
+    points : (n, 3) array
+        Near the origin: recentred by the caller.
+    channels : (c, n) array
+        What is summed. Channel 0 is the mass, ≥ 0; the others are at most as large.
+    width : float
+        Standard deviation of the Gaussian, in the units of the points.
+    error : float
+        Largest error of a sum, relative to the sum of channel 0 at the same place.
+    targets : (n,) array of bool, optional
+        Where the sums are wanted; all points unless given. Elsewhere the result is zero.
+    heaviest : float, optional
+        With ``targets``: the largest sum of channel 0 at any point, where it is known; it saves
+        accuracy that is not needed. The sum of all masses is taken for it unless given.
+    done : callable, optional
+        Called with shares of the work that are finished; they add up to one.
+
+    Returns
+    -------
+    (c, n) array
+        float32 where that is as accurate as asked for, else float64.
+    """
+    xyz = np.ascontiguousarray(points.T) / width
+    share = error / _MARGIN
+    sums = _one_pass(xyz, channels, share, targets, done)
+    if targets is None:
+        targets = np.ones(len(points), bool)
+        heaviest = float(sums[0].max())
+    elif heaviest is None:
+        heaviest = float(channels[0].sum())
+    while share > _TINY:
+        # The error is about share × the largest mass: is that small against the mass here?
+        short = targets & (share * heaviest > error * sums[0].astype(np.float64))
+        if not short.any():
+            break
+        least = float(sums[0, short].min())
+        needed = error * least / (2 * heaviest) if least > 2 * share * heaviest else share**2
+        share = max(min(needed, share / 10), _TINY / 10)
+        again = _one_pass(xyz, channels, share, short, None)
+        if again.dtype != sums.dtype:
+            sums = sums.astype(again.dtype)
+        sums[:, short] = again[:, short]
+    return sums
+
+
+def _one_pass(
+    xyz: NDArray[np.float64],
+    channels: NDArray[Any],
+    share: float,
+    targets: NDArray[np.bool_] | None,
+    done: Callable[[float], None] | None,
+) -> NDArray[Any]:
+    """Sum at the targets, leaving errors of about ``share`` of the largest mass anywhere."""
+    count, points = len(channels), xyz.shape[1]
+    radius = math.sqrt(2 * math.log(1 / share))
+    pairs = (count + 1) // 2
+    wanted = points if targets is None else int(targets.sum())
+    direct_cost = _direct_cost(xyz, radius, count, targets)
+    if share > _SPECTRAL_FLOOR and spectral.least_cost(wanted, share, pairs) < direct_cost:
+        tiles, cost = spectral.plan_tiles(xyz, share, pairs, targets)
+        if cost < direct_cost:
+            rows = _with_rows(channels, 2 * pairs, _precision(share, spectral.SINGLE_FLOOR))
+            return spectral.spectral_sums(xyz, rows, share, tiles, done)[:count]
+    blocks = -(-count // direct.CHANNEL_BLOCK)
+    rows = _with_rows(
+        channels, blocks * direct.CHANNEL_BLOCK, _precision(share, direct.SINGLE_FLOOR)
+    )
+    sums = direct.direct_sums(xyz, rows, radius, targets)[:count]
+    if done:
+        done(1.0)
+    return sums
+
+
+def _precision(share: float, floor: float) -> type[np.floating[Any]]:
+    return np.float32 if share >= floor else np.float64
+
+
+def _with_rows(
+    channels: NDArray[Any], count: int, kind: type[np.floating[Any]]
+) -> NDArray[Any]:
+    """Return the channels in the precision wanted, filled up with zeros to ``count`` rows."""
+    rows = np.zeros((count, channels.shape[1]), kind)
+    rows[: len(channels)] = channels
+    return rows
+
+
+def _direct_cost(
+    xyz: NDArray[np.float64],
+    radius: float,
+    channels: int,
+    targets: NDArray[np.bool_] | None,
+) -> float:
+    """Return estimated core-seconds: the pairs of a sample of targets and sources, scaled up."""
+    count = xyz.shape[1]
+    wanted = np.arange(count) if targets is None else np.flatnonzero(targets)
+    few = xyz[:, wanted[:: max(1, len(wanted) // 64)]]
+    some = xyz[:, :: max(1, count // 4096)]
+    # (Written out rather than as a product of matrices: BLAS would wake all of its threads.)
+    squared = sum((f[:, None] - s) ** 2 for f, s in zip(few, some, strict=True))
+    # Cells and batches are coarser than the ball: more pairs are computed than are needed.
+    share = float(np.mean(squared <= (1.2 * radius) ** 2))
+    return share * len(wanted) * count * _PAIR_SECONDS * (0.4 + 0.06 * channels)

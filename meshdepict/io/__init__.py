@@ -1,0 +1,171 @@
+"""Reading and writing meshes: PLY, OBJ, OFF, STL, GLB, glTF and VTP, each also as ``.gz``."""
+
+from __future__ import annotations
+
+import gzip
+import importlib
+import os
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, BinaryIO, cast
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from meshdepict.errors import MeshdepictError
+from meshdepict.io.atomic import atomic_write
+from meshdepict.io.document import MARK, Saving
+from meshdepict.io.source import FORMATS, format_of, opened, suffix_of
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from meshdepict.mesh import Mesh
+
+__all__ = ["atomic_write", "read", "read_mesh", "read_provenance", "write_mesh"]
+
+_WRITABLE = [suffix for suffix in FORMATS if suffix != ".stl"]
+
+
+def read(path: str | os.PathLike[str], *, winding: str = "auto") -> Mesh:
+    """Read whatever a file holds, by its content and its suffix.
+
+    Parameters and errors are `read_mesh`'s.
+    """
+    return read_mesh(path, winding=winding)
+
+
+def read_mesh(path: str | os.PathLike[str], *, winding: str = "auto") -> Mesh:
+    """Read a mesh.
+
+    Vertex colours become the vertex attributes ``red``, ``green`` and ``blue``: in the file's own
+    type from PLY, as 8-bit sRGB from other formats.
+
+    Parameters
+    ----------
+    path : str or path-like
+        A PLY, OBJ, OFF, STL, GLB, glTF or VTP file, gzipped or not.
+    winding : {"auto", "keep"}
+        As for `Mesh`.
+
+    Returns
+    -------
+    Mesh
+        Its ``document`` lets `write_mesh` keep what the file held beside the mesh.
+
+    Raises
+    ------
+    MeshdepictError
+        For a file that is missing, forbidden, empty, cut off, damaged or of an unknown format, and
+        for a mesh that `Mesh` refuses: one sentence that begins with the file's name.
+    """
+    from meshdepict.mesh import Mesh
+
+    with opened(path) as file:
+        data = file.read()
+    module = _module(format_of(path, data[:4096], len(data)))
+    try:
+        contents = module.decode(data, Path(path))
+    except MeshdepictError as error:  # "is cut off …": the file is its subject
+        raise MeshdepictError(f"{path} {error}") from error
+    try:
+        return Mesh(
+            contents.vertices,
+            contents.faces,
+            attributes=contents.attributes,
+            winding=winding,
+            document=contents.document,
+        )
+    except MeshdepictError as error:
+        raise MeshdepictError(f"{path}: {error}") from error
+
+
+def write_mesh(
+    path: str | os.PathLike[str],
+    mesh: Mesh,
+    *,
+    colors: ArrayLike | None = None,
+    comments: Iterable[str] = (),
+    keep_colors: bool = True,
+) -> None:
+    """Write a mesh, wholly or not at all, in the format that the suffix names.
+
+    A mesh that was read from the same format keeps all that its file held.
+
+    Parameters
+    ----------
+    path : str or path-like
+        Ends in .ply, .obj, .off, .glb, .gltf or .vtp, or one of these and .gz.
+    mesh : Mesh
+    colors : (n, 3) array_like of uint8, optional
+        New sRGB colours of the vertices.
+    comments : iterable of str
+        Lines of provenance, each beginning with ``"meshdepict "``; they replace earlier ones.
+    keep_colors : bool
+        Whether PLY and VTP keep the colours that new ones replace as ``original_red``, …
+
+    Raises
+    ------
+    MeshdepictError
+        For an unknown suffix, STL (which holds no colours), wrong colours, and every failure to
+        write: no such folder, no permission, no space left.
+    """
+    suffix = suffix_of(path)
+    if suffix == ".stl":
+        raise MeshdepictError(f"{path}: STL can't hold colours; save as .ply instead")
+    if suffix not in FORMATS:
+        raise MeshdepictError(
+            f"{path}: meshes are not saved as {suffix or 'a file without suffix'}; "
+            f"use one of {', '.join(_WRITABLE)} (also with .gz)"
+        )
+    saving = Saving(_checked_colors(colors, mesh), _checked_comments(comments), keep_colors, suffix)
+    module = _module(FORMATS[suffix])
+    with atomic_write(path) as file:
+        if Path(path).suffix.lower() == ".gz":
+            # Without name and time the same mesh gives the same bytes.
+            with gzip.GzipFile("", "wb", 6, file, mtime=0) as packed:
+                module.encode(cast("BinaryIO", packed), mesh, saving)
+        else:
+            module.encode(file, mesh, saving)
+
+
+def read_provenance(path: str | os.PathLike[str]) -> list[str] | None:
+    """Return the lines that this program wrote about a file into it, None where there are none.
+
+    Reads no further than it must: of a PLY file only the header.
+
+    Raises
+    ------
+    MeshdepictError
+        For a file that can't be opened; not for one of another kind.
+    """
+    with opened(path) as file:
+        start = file.peek(4096)  # type: ignore[attr-defined]
+        try:
+            found = _module(format_of(path, start, -1)).provenance(file)
+        except MeshdepictError:  # whatever it is, this program didn't write it
+            return None
+    return list(found) or None
+
+
+def _module(name: str) -> Any:
+    return importlib.import_module(f"meshdepict.io.{name}")
+
+
+def _checked_colors(colors: ArrayLike | None, mesh: Mesh) -> NDArray[np.uint8] | None:
+    if colors is None:
+        return None
+    array = np.asarray(colors)
+    wanted = (len(mesh.vertices), 3)
+    if array.shape != wanted or array.dtype != np.uint8:
+        raise MeshdepictError(
+            f"colors must be uint8 of shape {wanted}, not {array.dtype} of shape {array.shape}"
+        )
+    return array
+
+
+def _checked_comments(comments: Iterable[str]) -> tuple[str, ...]:
+    lines = tuple(comments)
+    for line in lines:
+        if not line.startswith(MARK) or not line.isprintable():
+            raise MeshdepictError(f"the comment {line!r} is not one line that begins with {MARK!r}")
+    return lines

@@ -1,0 +1,146 @@
+"""OBJ: vertices, polygons and texture coordinates; other lines are kept as they are."""
+
+from __future__ import annotations
+
+import io
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, BinaryIO
+
+import numpy as np
+from numpy.typing import NDArray
+
+from meshdepict.errors import MeshdepictError
+from meshdepict.io import text
+from meshdepict.io.document import COLOR, MARK, Contents, Document, Saving, as_bytes, only_colors
+from meshdepict.io.obj_faces import parse_faces
+from meshdepict.io.obj_lines import Lines, joined, line_end, table
+from meshdepict.polygons import Polygons, as_polygons
+
+if TYPE_CHECKING:
+    from meshdepict.mesh import Mesh
+
+__all__ = ["ObjDocument", "decode", "encode", "provenance"]
+
+_COMMENT = f"# {MARK}".encode()
+_FRACTIONS = [f"{level / 255:.6f}" for level in range(256)]
+
+
+@dataclass(frozen=True, kw_only=True)
+class ObjDocument(Document):
+    """A whole OBJ file, what was read from it, and which texture coordinate each corner has."""
+
+    data: bytes
+    vertices: NDArray[np.float64]
+    polygons: Polygons
+    texture: NDArray[np.float64]
+    corners: NDArray[np.int64]
+
+    @property
+    def texcoords(self) -> tuple[NDArray[np.float64], NDArray[np.int64]] | None:
+        """(t, 2) texture coordinates, and which of them each corner has (−1: none), or None."""
+        return (self.texture, self.corners) if len(self.texture) else None
+
+
+def provenance(file: BinaryIO) -> tuple[str, ...]:
+    """Return the comments that this program wrote at the top."""
+    found = []
+    for line in file:
+        if not line.startswith(_COMMENT):
+            break
+        found.append(line[2:].decode("utf-8", "replace").rstrip())
+    return tuple(found)
+
+
+# --- reading ----------------------------------------------------------------------------------
+
+
+def decode(data: bytes, path: Path) -> Contents:
+    """Read a mesh whose vertices are the file's ``v`` lines, whatever its faces share.
+
+    Raises
+    ------
+    MeshdepictError
+        For a file without vertices, and for a line that is not understood.
+    """
+    lines = Lines(data)
+    numbers = table(lines, b"v", least=3)
+    if not len(numbers):
+        raise MeshdepictError("holds no vertices: no line of it begins with 'v'")
+    polygons, of_texture = parse_faces(
+        lines.bodies(b"f"),
+        lambda: lines.before(b"f", b"v"),
+        lambda: lines.before(b"f", b"vt"),
+    )
+    texture = table(lines, b"vt", least=2)[:, :2]
+    attributes = {}
+    if numbers.shape[1] >= 6:
+        attributes["vertex"] = dict(zip(COLOR, as_bytes(numbers[:, 3:6]).T, strict=True))
+    document = ObjDocument(
+        provenance=provenance(io.BytesIO(data)),
+        data=data,
+        vertices=numbers[:, :3],
+        polygons=polygons,
+        texture=texture,
+        # An index out of range is a fault of the texture, not of the shape.
+        corners=np.where(of_texture < len(texture), of_texture, -1),
+    )
+    return Contents(numbers[:, :3], polygons, attributes, document)
+
+
+# --- writing ----------------------------------------------------------------------------------
+
+
+def encode(file: BinaryIO, mesh: Mesh, saving: Saving) -> None:
+    """Write a mesh: the file that it was read from with colours after x, y, z, or a new file."""
+    colors = only_colors(mesh, saving, "OBJ")
+    polygons = mesh.polygons or as_polygons(mesh.faces)
+    document = mesh.document
+    if isinstance(document, ObjDocument):
+        same_faces = all(map(np.array_equal, document.polygons, polygons))
+        if same_faces and np.array_equal(document.vertices, mesh.vertices):
+            data = document.data
+            if line_end(data) == b"\r":  # one kind of line ends, with the comments
+                data = data.replace(b"\r", b"\n")
+            if saving.comments or saving.colors is not None:
+                data = _without_provenance(data)
+            _write_comments(file, saving)
+            file.write(data if saving.colors is None else _edited(data, saving.colors))
+            return
+    _write_comments(file, saving)
+    if colors is None:
+        file.write(text.rows("v %r %r %r\n", *mesh.vertices.T))
+    else:
+        channels = map(_fractions, colors.T)
+        file.write(text.rows("v %r %r %r %s %s %s\n", *mesh.vertices.T, *channels))
+    file.write(text.rows("f %s\n", text.corners(polygons, first=1)))
+
+
+def _fractions(channel: NDArray[np.uint8]) -> list[str]:
+    return [_FRACTIONS[level] for level in channel.tolist()]
+
+
+def _write_comments(file: BinaryIO, saving: Saving) -> None:
+    file.writelines(f"# {line}\n".encode() for line in saving.comments)
+
+
+def _without_provenance(data: bytes) -> bytes:
+    while data.startswith(_COMMENT):
+        data = data.partition(b"\n")[2]
+    return data
+
+
+def _edited(data: bytes, colors: NDArray[np.uint8]) -> bytes:
+    """Return the file with what follows x, y, z replaced, all other lines untouched."""
+    tails = iter(text.rows(" %s %s %s\n", *map(_fractions, colors.T)).splitlines())
+    lines = []
+    for line in joined(data, rb"v[ \t]").split(b"\n"):
+        body = line.lstrip()
+        if body.startswith((b"v ", b"v\t")):
+            numbers, hash_, comment = body.partition(b"#")
+            words = numbers.split(None, 4)
+            kept = numbers.rstrip() if len(words) == 4 else b" ".join(words[:4])
+            rest = b" #" + comment if hash_ else b"\r" if line.endswith(b"\r") else b""
+            line = kept + next(tails) + rest
+        lines.append(line)
+    return b"\n".join(lines)

@@ -1,0 +1,101 @@
+"""The lines of an OBJ file by keyword, without a loop over them."""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+from numpy.typing import NDArray
+
+from meshdepict.errors import MeshdepictError
+from meshdepict.io import text
+
+__all__ = ["Lines", "joined", "line_end", "table"]
+
+_BLANKS = np.frombuffer(b" \t", np.uint8)
+
+
+def line_end(data: bytes) -> bytes:
+    """Return the last byte of a line's end."""
+    return b"\n" if b"\n" in data else b"\r"
+
+
+def joined(data: bytes, keyword: bytes) -> bytes:
+    """Return a text with those lines in one that begin with a keyword and end in a backslash.
+
+    A comment doesn't go on: it may end in the name of a folder.
+    """
+    continued = re.compile(rb"(?m)^([ \t]*%b[^#\r\n]*)\\\r?\n" % keyword)
+    count = int(b"\\\n" in data or b"\\\r\n" in data)
+    while count:
+        data, count = continued.subn(rb"\1 ", data)
+    return data
+
+
+class Lines:
+    """The lines of a text; continued ones are one, blanks in front are dropped."""
+
+    def __init__(self, data: bytes) -> None:
+        if line_end(data) == b"\r":
+            data = data.replace(b"\r", b"\n")
+        data = joined(data, b"")
+        self._split(data)
+        if np.isin(self._letters[self._starts], _BLANKS).any():
+            self._split(re.sub(rb"(?m)^[ \t]+", b"", data))
+
+    def _split(self, data: bytes) -> None:
+        self._letters = np.frombuffer(data + b"\n\n\n\n", np.uint8)
+        ends = np.flatnonzero(self._letters[:-3] == ord("\n"))
+        self._starts = np.concatenate(([0], ends[:-1] + 1))
+        self._lengths = ends + 1 - self._starts
+
+    def begin_with(self, keyword: bytes) -> NDArray[np.bool_]:
+        """Return which lines begin with a keyword and a blank."""
+        found: NDArray[np.bool_] = np.isin(self._letters[self._starts + len(keyword)], _BLANKS)
+        for at, letter in enumerate(keyword):
+            found &= self._letters[self._starts + at] == letter
+        return found
+
+    def bodies(self, keyword: bytes) -> bytes:
+        """Return the lines that begin with a keyword, blanks in its place, without comments."""
+        found = self.begin_with(keyword)
+        letters = self._letters[: self._lengths.sum()][np.repeat(found, self._lengths)]
+        starts = np.cumsum(self._lengths[found]) - self._lengths[found]
+        for at in range(len(keyword)):
+            letters[starts + at] = ord(" ")
+        block = letters.tobytes()
+        return re.sub(rb"#.*", b"", block) if b"#" in block else block
+
+    def before(self, keyword: bytes, other: bytes) -> NDArray[np.int64]:
+        """Return for each line of one keyword how many lines of another come before it."""
+        count: NDArray[np.int64] = np.cumsum(self.begin_with(other))
+        return count[self.begin_with(keyword)]
+
+
+def table(lines: Lines, keyword: bytes, *, least: int) -> NDArray[np.float64]:
+    """Return the numbers after a keyword, one row per line, as many as every line has.
+
+    Raises
+    ------
+    MeshdepictError
+        Where a line has fewer than ``least``, or something that is no number.
+    """
+    block = lines.bodies(keyword)
+    if not block:
+        return np.empty((0, least))
+    rows = block.count(b"\n")
+    width = len(block.partition(b"\n")[0].split())
+    try:
+        values = text.floats(block)
+        if width >= least and len(values) == width * rows:
+            return values.reshape(rows, width)
+        words = [line.split() for line in block.splitlines()]
+        width = min(map(len, words))
+        if width >= least:
+            block = b" ".join(b" ".join(row[:width]) for row in words)
+            return text.floats(block).reshape(rows, width)
+    except ValueError:
+        pass
+    raise MeshdepictError(
+        f"has a line {keyword.decode()!r} with something else than {least} numbers or more"
+    )

@@ -1,0 +1,188 @@
+"""PLY: every value of every element survives, in the file's own encoding."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, BinaryIO
+
+import numpy as np
+from numpy.typing import NDArray
+
+from meshdepict.errors import MeshdepictWarning
+from meshdepict.io.document import COLOR, Contents, Document, Saving, new_names, recolored
+from meshdepict.io.ply_binary import encode_binary
+from meshdepict.io.ply_document import (
+    POSITION,
+    PlyDocument,
+    Section,
+    geometry_of,
+    index_list,
+    line_end,
+    split_sections,
+)
+from meshdepict.io.ply_header import (
+    Element,
+    Header,
+    Property,
+    fresh_header,
+    parse_header,
+    read_header,
+)
+from meshdepict.io.ply_properties import as_properties, exact_float
+from meshdepict.io.ply_rows import Column, Ragged
+from meshdepict.io.ply_text import rewrite_text
+from meshdepict.polygons import Polygons, as_polygons
+
+if TYPE_CHECKING:
+    from meshdepict.mesh import Mesh
+
+__all__ = ["decode", "encode", "provenance"]
+
+
+def provenance(file: BinaryIO) -> tuple[str, ...]:
+    """Return the lines that this program wrote, reading little more than the header."""
+    return read_header(file).provenance
+
+
+# --- reading ----------------------------------------------------------------------------------
+
+
+def decode(data: bytes, path: Path) -> Contents:
+    """Read a mesh with all its vertex and face properties.
+
+    Raises
+    ------
+    MeshdepictError
+        For a wrong header, data that contradict it or end early, and for missing positions.
+    """
+    header = parse_header(data)
+    sections, rest = split_sections(header, data)
+    if rest.strip():
+        warnings.warn(
+            f"{path} goes on after what its PLY header declares; the rest is kept but not read",
+            MeshdepictWarning,
+            stacklevel=2,
+        )
+    vertices, faces = geometry_of(sections)
+    attributes = {"vertex": _attributes(sections["vertex"], POSITION)}
+    if "face" in sections and "tristrips" not in sections:
+        attributes["face"] = _attributes(sections["face"], (index_list(sections["face"]),))
+    document = PlyDocument(provenance=header.provenance, header=header, data=data)
+    return Contents(vertices, faces, attributes, document)
+
+
+def _attributes(section: Section, without: tuple[str, ...]) -> dict[str, NDArray[Any]]:
+    return {
+        name: column.astype(column.dtype.newbyteorder("="), copy=False)
+        for name, column in section.columns.items()
+        if name not in without and not isinstance(column, Ragged)
+    }
+
+
+# --- writing ----------------------------------------------------------------------------------
+
+
+def encode(file: BinaryIO, mesh: Mesh, saving: Saving) -> None:
+    """Write a mesh: the file that it was read from with new colours, or a new file."""
+    polygons = mesh.polygons or as_polygons(mesh.faces)
+    document = mesh.document
+    if isinstance(document, PlyDocument):
+        sections, rest = split_sections(document.header, document.data)
+        vertices, faces = geometry_of(sections)
+        same_faces = all(map(np.array_equal, as_polygons(faces), polygons))
+        if same_faces and np.array_equal(vertices, mesh.vertices):
+            _write_edited(file, mesh, saving, document.header, sections)
+            file.write(rest)
+            return
+    _write_fresh(file, mesh, polygons, saving)
+
+
+def _write_edited(
+    file: BinaryIO, mesh: Mesh, saving: Saving, header: Header, sections: Mapping[str, Section]
+) -> None:
+    """Write the file as it was, except what gets another name, goes or comes."""
+    edited: dict[str, list[Property]] = {}
+    rows: list[Any] = []
+    for name, section in sections.items():
+        element = section.element
+        names = {old: old for old in element.names}
+        colors: dict[str, Any] = {}
+        if name == "vertex" and saving.colors is not None:
+            ours = bool(header.provenance)
+            names = new_names(element.names, ours=ours, keep=saving.keep_colors)
+            colors = dict(zip(COLOR, saving.colors.T, strict=True))
+        added = {
+            key: values
+            for key, values in mesh.attributes.get(name, {}).items()
+            if key not in element.names and len(values) == element.count
+        } | colors
+        if added:
+            edited[name], changed = _edited(section, names, added, header)
+            rows.append(changed)
+        else:
+            rows.append(section.rows)
+    comments = saving.comments if saving.comments or saving.colors is not None else None
+    file.write(header.rewritten(edited, comments))
+    for part in rows:
+        if isinstance(part, list):
+            file.writelines(line + line_end(header) for line in part)
+        else:
+            file.write(part)
+
+
+def _edited(
+    section: Section, names: Mapping[str, str], added: Mapping[str, Any], header: Header
+) -> tuple[list[Property], Any]:
+    """Return an element's properties under their new names with new ones, and its rows."""
+    element = section.element
+    kept = [item for item in element.properties if item.name in names]
+    fresh, columns = as_properties(added, taken=set(names.values()))
+    properties = [replace(item, name=names[item.name]) for item in kept] + fresh
+    if isinstance(section.rows, list):
+        return properties, rewrite_text(section.rows, element, names, list(columns.values()))
+    changed = Element(element.name, element.count, tuple(properties))
+    unchanged = {names[item.name]: section.columns[item.name] for item in kept}
+    return properties, encode_binary(changed, unchanged | columns, header.order).data
+
+
+def _write_fresh(file: BinaryIO, mesh: Mesh, polygons: Polygons, saving: Saving) -> None:
+    """Write a new file, binary and little-endian."""
+    document = mesh.document if isinstance(mesh.document, Document) else Document()
+    attributes = recolored(mesh.attributes["vertex"], saving, ours=bool(document.provenance))
+    extra, columns = as_properties(attributes, taken=POSITION)
+    kind = exact_float(mesh.vertices)
+    properties = [*(Property(name, kind) for name in POSITION), *extra]
+    vertex = Element("vertex", len(mesh.vertices), tuple(properties))
+    positions = dict(zip(POSITION, mesh.vertices.T, strict=True))
+
+    sizes = np.diff(polygons.offsets)
+    largest = int(sizes.max())
+    properties = [Property("vertex_indices", "i4", "u1" if largest < 256 else "i4")]
+    lists: dict[str, Column] = {"vertex_indices": Ragged(*polygons)}
+    if (sizes == largest).all():
+        lists["vertex_indices"] = polygons.connectivity.reshape(-1, largest)
+    if document.texcoords and len(document.texcoords[1]) == len(polygons.connectivity):
+        texcoords = _corner_texcoords(*document.texcoords, polygons)
+        kind = exact_float(texcoords.values)
+        properties.append(Property("texcoord", kind, "u1" if largest < 128 else "i4"))
+        lists["texcoord"] = texcoords
+    extra, more = as_properties(mesh.attributes["face"], taken=lists)
+    face = Element("face", len(polygons.offsets) - 1, (*properties, *extra))
+
+    file.write(fresh_header((vertex, face), saving.comments))
+    file.write(encode_binary(vertex, positions | columns, "<").data)
+    file.write(encode_binary(face, lists | more, "<").data)
+
+
+def _corner_texcoords(
+    texcoords: NDArray[np.float64], corner: NDArray[np.int64], polygons: Polygons
+) -> Ragged:
+    """Return u, v of every corner as one list per polygon, empty where a corner has none."""
+    sizes = np.diff(polygons.offsets)
+    whole = np.add.reduceat(np.append(corner < 0, False), polygons.offsets[:-1]) == 0
+    chosen = np.repeat(whole, sizes)
+    values = texcoords[corner[chosen]].reshape(-1)
+    return Ragged(values, np.concatenate(([0], np.cumsum(np.where(whole, 2 * sizes, 0)))))

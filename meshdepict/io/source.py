@@ -1,0 +1,118 @@
+"""Opening a file: its bytes, unpacked, and which format they are in."""
+
+from __future__ import annotations
+
+import gzip
+import io
+import os
+import re
+import zlib
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import BinaryIO
+
+from meshdepict.errors import MeshdepictError
+
+__all__ = ["FORMATS", "KNOWN", "format_of", "opened", "suffix_of"]
+
+# Suffix → the module of this package that reads (and, but for STL, writes) it.
+FORMATS = {
+    ".ply": "ply",
+    ".obj": "obj",
+    ".off": "off",
+    ".stl": "stl",
+    ".glb": "gltf",
+    ".gltf": "gltf",
+    ".vtp": "vtp",
+}
+KNOWN = ", ".join(FORMATS)
+
+_OFF = re.compile(rb"\s*(?:#[^\r\n]*[\r\n]\s*)*(?:ST)?C?N?4?n?OFF\b")
+_STL_HEADER, _STL_TRIANGLE = 84, 50  # bytes
+
+
+def suffix_of(path: str | os.PathLike[str]) -> str:
+    """Return the suffix in lower case, the one before ``.gz`` where there is one."""
+    name = Path(path)
+    if name.suffix.lower() == ".gz":
+        name = name.with_suffix("")
+    return name.suffix.lower()
+
+
+@contextmanager
+def opened(path: str | os.PathLike[str]) -> Iterator[BinaryIO]:
+    """Open a file for reading, unpacking it where it is gzipped, by content.
+
+    Raises
+    ------
+    MeshdepictError
+        For a file that is missing, forbidden, empty, a folder, or damaged as gzip: one sentence.
+    """
+    try:
+        with Path(path).open("rb") as file:
+            start = file.peek(2)[:2]
+            if not start:
+                raise MeshdepictError(f"{path} is empty")
+            if start == b"\x1f\x8b":
+                with gzip.GzipFile(fileobj=file) as unpacked:
+                    yield io.BufferedReader(unpacked)
+            else:
+                yield file
+    except FileNotFoundError:
+        raise MeshdepictError(f"{path}: there is no such file") from None
+    except IsADirectoryError:
+        raise MeshdepictError(f"{path} is a folder, not a file") from None
+    except PermissionError:
+        raise MeshdepictError(f"{path} may not be read: permission denied") from None
+    except (gzip.BadGzipFile, EOFError, zlib.error) as error:
+        raise MeshdepictError(f"{path} is damaged: unpacking it failed ({error})") from error
+    except OSError as error:
+        raise MeshdepictError(f"{path} could not be read: {error.strerror or error}") from error
+
+
+def format_of(path: str | os.PathLike[str], start: bytes, size: int) -> str:
+    """Return the name of the module that reads a file.
+
+    Parameters
+    ----------
+    path : str or path-like
+        For its suffix, which decides only where the content doesn't tell.
+    start : bytes
+        The first few kilobytes.
+    size : int
+        The length of the whole, in bytes.
+
+    Raises
+    ------
+    MeshdepictError
+        Where neither the content nor the suffix is known.
+    """
+    found = _by_content(start, size)
+    if found:
+        return found
+    suffix = suffix_of(path)
+    if suffix in FORMATS:
+        return FORMATS[suffix]
+    raise MeshdepictError(f"{path}: its format is unknown; meshes are read from {KNOWN} (also .gz)")
+
+
+def _by_content(start: bytes, size: int) -> str | None:
+    if re.match(rb"ply\s", start):
+        return "ply"
+    if start.startswith(b"glTF"):
+        return "gltf"
+    if _OFF.match(start):
+        return "off"
+    if b"<VTKFile" in start:
+        return "vtp"
+    # A binary STL may begin with "solid", too: its length tells.
+    if len(start) >= _STL_HEADER:
+        count = int.from_bytes(start[80:84], "little")
+        if size == _STL_HEADER + _STL_TRIANGLE * count:
+            return "stl"
+    if re.match(rb"(?i)\s*solid\b", start) and re.search(rb"(?i)\b(facet|endsolid)\b", start):
+        return "stl"
+    if re.match(rb'\s*\{.*"asset"', start, re.DOTALL):
+        return "gltf"
+    return None

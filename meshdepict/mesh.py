@@ -1,0 +1,295 @@
+"""Mesh: vertices, faces and attributes, with normals, areas and lengths computed on first use."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Mapping
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from meshdepict import triangles
+from meshdepict.errors import MeshdepictError, MeshdepictWarning
+from meshdepict.polygons import Polygons, as_polygons, triangulate
+from meshdepict.welding import normal_groups
+
+if TYPE_CHECKING:
+    from meshdepict.orientation import Orientation
+
+__all__ = ["Mesh"]
+
+Floats = NDArray[np.float64]
+
+
+class Mesh:
+    """A surface of triangles or polygons, validated once, never modified.
+
+    Parameters
+    ----------
+    vertices : (n, 3) array_like of float
+        Positions in world units.
+    faces : (m, 3) or (m, k) array_like of int, a list of polygons, or `Polygons`
+        Vertex indices, counter-clockwise seen from outside.
+    attributes : {"vertex": {name: (n, …)}, "face": {name: (polygons, …)}}, optional
+        What else is known at vertices and polygons, colours for instance.
+    winding : {"auto", "keep"}
+        "auto" turns faces that point inwards before normals are computed (see `orientation`);
+        `faces` themselves stay as given. "keep" believes the file.
+    document : object, optional
+        What the file's reader wants the file's writer to know.
+
+    Raises
+    ------
+    MeshdepictError
+        For an empty mesh, wrong shapes, NaN or infinite vertices, an index out of range.
+    """
+
+    def __init__(
+        self,
+        vertices: ArrayLike,
+        faces: Any,
+        *,
+        attributes: Mapping[str, Mapping[str, Any]] | None = None,
+        winding: str = "auto",
+        document: object = None,
+    ) -> None:
+        self.vertices = _checked_vertices(vertices)
+        polygons = as_polygons(faces)
+        if len(polygons.connectivity) == 0:
+            raise MeshdepictError(
+                f"the mesh has no faces ({len(self.vertices):,} vertices): shading needs a surface; "
+                "reconstruct one from the points first"
+            )
+        _check_indices(polygons, len(self.vertices))
+        if winding not in ("auto", "keep"):
+            raise MeshdepictError(f"winding={winding!r} is neither 'auto' nor 'keep'")
+        self.faces, self._owner = triangulate(self.vertices, polygons)
+        if len(self.faces) == 0:
+            raise MeshdepictError("the mesh has no faces with three corners or more")
+        plain = len(polygons.connectivity) == 3 * (len(polygons.offsets) - 1) == self.faces.size
+        self.polygons = None if plain else polygons
+        self.attributes = _checked_attributes(
+            attributes or {}, vertex=len(self.vertices), face=len(polygons.offsets) - 1
+        )
+        self.winding = winding
+        self.document = document
+        for array in (self.vertices, self.faces, self._owner, *polygons):
+            array.setflags(write=False)
+
+    @classmethod
+    def from_pyvista(cls, poly: Any, *, winding: str = "auto") -> Mesh:
+        """Take the surface and the point and cell arrays of a PyVista ``PolyData``."""
+        if not hasattr(poly, "regular_faces") or not hasattr(poly, "irregular_faces"):
+            raise MeshdepictError(f"expected a pyvista.PolyData, got {type(poly).__name__}")
+        if getattr(poly, "n_strips", 0):
+            poly = poly.triangulate()
+        offset = np.array(poly.GetPolys().GetNumberOfCells() and poly._offset_array_view())
+        return cls(poly.points, Polygons(np.array(poly._connectivity_array_view()), offset))
+
+    @classmethod
+    def from_trimesh(cls, tm: Any, *, winding: str = "auto") -> Mesh:
+        """Take vertices, faces and vertex colours of a ``trimesh.Trimesh``."""
+        if not hasattr(tm, "vertices") or not hasattr(tm, "faces"):
+            raise MeshdepictError(f"expected a trimesh.Trimesh, got {type(tm).__name__}")
+        vertex: dict[str, Any] = {k: np.array(v) for k, v in tm.vertex_attributes.items()}
+        if getattr(tm.visual, "kind", None) == "vertex":
+            colors = np.asarray(tm.visual.vertex_colors)
+            vertex |= {"red": colors[:, 0], "green": colors[:, 1], "blue": colors[:, 2]}
+        return cls(tm.vertices, tm.faces, attributes={"vertex": vertex}, winding=winding)
+
+    def __repr__(self) -> str:
+        """Return counts and size."""
+        count = len(self.faces) if self.polygons is None else len(self.polygons.offsets) - 1
+        return f"<Mesh: {len(self.vertices):,} vertices, {count:,} faces, diagonal {self.diagonal:.4g}>"
+
+    # --- size -------------------------------------------------------------------------------
+
+    @cached_property
+    def _centre(self) -> Floats:
+        low, high = self.vertices.min(axis=0), self.vertices.max(axis=0)
+        return low / 2 + high / 2
+
+    @cached_property
+    def diagonal(self) -> float:
+        """Diagonal of the bounding box, in world units."""
+        extent = self.vertices.max(axis=0) - self.vertices.min(axis=0)
+        largest = float(extent.max())
+        return largest and largest * float(np.linalg.norm(extent / largest))
+
+    @cached_property
+    def _unit_points(self) -> Floats:
+        """The vertices moved to the origin and scaled to a diagonal of one.
+
+        All geometry is computed on these, so that neither survey coordinates nor metres in
+        nanometres cost digits, and squares of squares of lengths neither overflow nor vanish.
+        """
+        points = self.vertices - self._centre
+        points /= self.diagonal or 1.0
+        return _frozen(points)
+
+    @cached_property
+    def edge_length(self) -> float:
+        """Median length of the edges that have a length, in world units."""
+        lengths = triangles.edge_lengths(self._unit_points, self.faces)
+        lengths = lengths[lengths > 0]
+        return float(np.median(lengths)) * self.diagonal if len(lengths) else self.diagonal or 1.0
+
+    # --- orientation ------------------------------------------------------------------------
+
+    @cached_property
+    def orientation(self) -> Orientation:
+        """Which faces had to be turned to point outwards, and a sentence about it."""
+        from meshdepict.orientation import Orientation, orient
+
+        if self.winding == "keep":
+            return Orientation(np.zeros(len(self.faces), bool), None)
+        found = orient(self._unit_points, self.faces)
+        if found.message:
+            warnings.warn(found.message, MeshdepictWarning, stacklevel=3)
+        return found
+
+    @cached_property
+    def _outward_faces(self) -> NDArray[np.int64]:
+        flipped = self.orientation.flipped
+        if not flipped.any():
+            return self.faces
+        return _frozen(np.where(flipped[:, None], self.faces[:, ::-1], self.faces))
+
+    def rewound(self) -> Mesh:
+        """Return the mesh with its faces themselves turned outwards; itself where they are.
+
+        Vertices, attributes, the order of the faces and the first corner of each stay. What else
+        the file held is left behind, texture coordinates with a warning.
+        """
+        flipped = self.orientation.flipped
+        if not flipped.any():
+            return self
+        from meshdepict.io.document import Document
+
+        kept = None
+        if isinstance(self.document, Document):
+            kept = Document(provenance=self.document.provenance)
+            if self.document.texcoords is not None:
+                warnings.warn(
+                    "texture coordinates are lost where faces are turned",
+                    MeshdepictWarning,
+                    stacklevel=2,
+                )
+        polygons = self.polygons or as_polygons(self.faces)
+        # Degenerate triangles are never turned: a polygon goes the way of most of its area.
+        a, b, c = (self._unit_points[corner] for corner in self.faces.T)
+        areas = np.linalg.norm(np.cross(b - a, c - a), axis=1)
+        count = len(polygons.offsets) - 1
+        turned = np.bincount(self._owner, np.where(flipped, areas, -areas), minlength=count) > 0
+        return Mesh(
+            self.vertices,
+            polygons.reversed(turned),
+            attributes=self.attributes,
+            winding="keep",
+            document=kept,
+        )
+
+    # --- what shading needs -----------------------------------------------------------------
+
+    @cached_property
+    def normals(self) -> Floats:
+        """(n, 3) unit normals, outward; weighted after Max 1999, so exact on a sphere.
+
+        Vertices at bit-identical positions share one normal unless their own differ by more than
+        90°. A vertex that no proper face meets has +z.
+        """
+        sums = triangles.normal_sums(self._unit_points, self._outward_faces)
+        sums = self._shared(sums)
+        scale = np.abs(sums).max(axis=1, keepdims=True)
+        sums /= np.where(scale > 0, scale, 1.0)  # before squaring: a needle's weights overflow
+        length = np.linalg.norm(sums, axis=1, keepdims=True)
+        return _frozen(np.where(length > 0, sums / np.where(length > 0, length, 1.0), (0.0, 0.0, 1.0)))
+
+    @cached_property
+    def areas(self) -> Floats:
+        """(n,) mixed Voronoi areas after Meyer et al. 2002, in squared world units."""
+        return _frozen(self._unit_areas * self.diagonal**2)
+
+    @cached_property
+    def _unit_areas(self) -> Floats:
+        areas = triangles.mixed_voronoi_areas(self._unit_points, self.faces)
+        return _frozen(self._shared(areas, mean=True))
+
+    @cached_property
+    def _groups(self) -> NDArray[np.int64] | None:
+        """For each vertex the group it shares normal and curvature with; None: all alone."""
+        sums = triangles.normal_sums(self._unit_points, self._outward_faces)
+        return normal_groups(self.vertices, sums)
+
+    def _shared(self, values: Floats, *, mean: bool = False) -> Floats:
+        """Sum (or average) per-vertex values over the vertices at one position."""
+        group = self._groups
+        if group is None:
+            return values
+        columns = values.reshape(len(values), -1)
+        total = np.stack([np.bincount(group, column) for column in columns.T], axis=1)
+        if mean:
+            total /= np.bincount(group)[:, None]
+        return total[group].reshape(values.shape)
+
+
+def _frozen(array: NDArray[Any]) -> NDArray[Any]:
+    array.setflags(write=False)
+    return array
+
+
+def _checked_vertices(vertices: ArrayLike) -> Floats:
+    try:
+        array = np.array(vertices, dtype=np.float64, order="C")
+    except (TypeError, ValueError):
+        raise MeshdepictError("vertices must be an (n, 3) array of numbers") from None
+    if array.ndim != 2 or array.shape[1] != 3:
+        raise MeshdepictError(f"vertices must have shape (n, 3), not {array.shape}")
+    if len(array) == 0:
+        raise MeshdepictError("the mesh is empty: it has no vertices")
+    bad = ~np.isfinite(array).all(axis=1)
+    if bad.any():
+        first = int(np.argmax(bad))
+        raise MeshdepictError(
+            f"{int(bad.sum()):,} of {len(array):,} vertices are NaN or infinite "
+            f"(the first is vertex {first}: {', '.join(f'{x:g}' for x in array[first])}); "
+            "remove or repair them first"
+        )
+    if np.abs(array).max() > 1e150:
+        raise MeshdepictError("vertices beyond 1e150 leave no room for computing; rescale the mesh")
+    return array
+
+
+def _check_indices(polygons: Polygons, count: int) -> None:
+    corners = polygons.connectivity
+    bad = (corners < 0) | (corners >= count)
+    if bad.any():
+        first = int(np.argmax(bad))
+        face = int(np.searchsorted(polygons.offsets, first, side="right")) - 1
+        raise MeshdepictError(
+            f"face {face} refers to vertex {int(corners[first])}, but the mesh has {count:,} "
+            f"vertices, numbered from 0 ({int(bad.sum()):,} such corners)"
+        )
+
+
+def _checked_attributes(
+    given: Mapping[str, Mapping[str, Any]], **counts: int
+) -> dict[str, dict[str, NDArray[Any]]]:
+    unknown = set(given) - set(counts)
+    if unknown:
+        raise MeshdepictError(
+            f"attributes belong to 'vertex' or 'face', not {sorted(unknown)[0]!r}"
+        )
+    checked: dict[str, dict[str, NDArray[Any]]] = {"vertex": {}, "face": {}}
+    for element, arrays in given.items():
+        for name, values in arrays.items():
+            array = np.array(values)
+            if array.shape[:1] != (counts[element],):
+                raise MeshdepictError(
+                    f"{element} attribute {name!r} has shape {array.shape}, expected "
+                    f"{counts[element]:,} rows"
+                )
+            checked[element][name] = _frozen(array)
+    return checked

@@ -1,0 +1,63 @@
+"""What a shading method declares beside its function: what it needs, and how its values read."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Annotated, Any, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from meshdepict.options import Range
+
+__all__ = ["Declaration", "Exposure", "declaration", "exposed", "method"]
+
+Function = TypeVar("Function", bound=Callable[..., Any])
+
+Exposure = Annotated[float, Range(0, 1e6, help="factor on the result before clipping", soft=(0, 4))]
+
+
+@dataclass(frozen=True)
+class Declaration:
+    """What `bake` has to know about a method.
+
+    Attributes
+    ----------
+    scales : int
+        Smoothed sets of normals it is usually given; 0 where it uses only the original ones.
+    ratio : float
+        From one width to the next.
+    linear : bool
+        Whether its values are linear light, to be encoded as sRGB, or display values.
+    source : str
+        The paper.
+    """
+
+    scales: int
+    ratio: float
+    linear: bool
+    source: str
+
+
+def method(
+    *, scales: int = 0, ratio: float = math.sqrt(2), linear: bool = False, source: str
+) -> Callable[[Function], Function]:
+    """Declare a shading function: its scales, the kind of its values and its paper."""
+
+    def declare(function: Function) -> Function:
+        function.declaration = Declaration(scales, ratio, linear, source)  # type: ignore[attr-defined]
+        return function
+
+    return declare
+
+
+def declaration(function: Callable[..., Any]) -> Declaration:
+    """Return what a shading function declared."""
+    return function.declaration  # type: ignore[attr-defined, no-any-return]
+
+
+def exposed(values: NDArray[Any], exposure: float) -> NDArray[Any]:
+    """Multiply by the exposure and clip to [0, 1]: the last step of every method."""
+    return np.clip(values * values.dtype.type(exposure), 0, 1)

@@ -1,0 +1,67 @@
+"""Shared by all tests: real scans where they are at hand, small exact shapes, and two promises."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from meshdepict import samples
+from meshdepict.mesh import Mesh
+
+DATA = os.environ.get("MESHDEPICT_DATA")
+
+
+@pytest.fixture(scope="session")
+def data() -> Path:
+    """The folder of real data, or a skip that says why."""
+    if not DATA:
+        pytest.skip("real data not at hand: MESHDEPICT_DATA is not set")
+    folder = Path(DATA)
+    if not folder.is_dir():
+        pytest.skip(f"real data not at hand: MESHDEPICT_DATA={DATA} is no folder")
+    return folder
+
+
+@pytest.fixture(scope="session")
+def bunny(data: Path) -> Mesh:
+    from meshdepict.io import read_mesh
+
+    return read_mesh(data / "mesh" / "bunny_69k.ply")
+
+
+@pytest.fixture(scope="session")
+def sphere() -> Mesh:
+    """A unit sphere of about 2,500 vertices."""
+    return samples.sphere(2_500)
+
+
+@pytest.fixture(scope="session")
+def ball() -> Mesh:
+    """A small golf ball: relief on a closed surface."""
+    return samples.golf_ball(6_000)
+
+
+@pytest.fixture
+def rng() -> np.random.Generator:
+    return np.random.default_rng(20061)
+
+
+def tetrahedron() -> tuple[np.ndarray, np.ndarray]:
+    vertices = np.array([[1, 1, 1], [-1, -1, 1], [-1, 1, -1], [1, -1, -1]], float)
+    return vertices, np.array([[0, 1, 3], [0, 2, 1], [0, 3, 2], [1, 2, 3]])
+
+
+def rotation(rng: np.random.Generator) -> np.ndarray:
+    """A random rotation matrix."""
+    q, r = np.linalg.qr(rng.normal(size=(3, 3)))
+    q = q * np.sign(np.diag(r))
+    return q * np.sign(np.linalg.det(q))
+
+
+def angle_between(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """Angles in radians between unit vectors, accurate for small ones."""
+    half = np.linalg.norm(np.asarray(a, float) - np.asarray(b, float), axis=-1) / 2
+    return 2 * np.arcsin(np.minimum(half, 1))
