@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-import math
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -14,7 +13,7 @@ from numpy.typing import NDArray
 from meshdepict import color
 from meshdepict.errors import MeshdepictError
 from meshdepict.options import check, nearest
-from meshdepict.scales import ScaleSpace, resolve_width, scale_space
+from meshdepict.scales import ScaleSpace, scale_space
 from meshdepict.scene import View, as_light, as_view
 
 if TYPE_CHECKING:

@@ -79,7 +79,7 @@ def _sentence(error: CycloptsError, words: Sequence[str]) -> str:
         word = words[0]
         if word.startswith("-"):
             return f"unknown option {word}: options follow the command (see meshdepict --help)"
-        if Path(word).exists():
+        if os.path.exists(word):
             return f"no command is called {word!r}; did you mean: meshdepict bake {word}"
     text = str(error).strip().rstrip(".")
     command = " ".join(("meshdepict", *(error.command_chain or ())))

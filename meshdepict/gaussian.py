@@ -85,6 +85,8 @@ def gaussian_sums(
         if again.dtype != sums.dtype:
             sums = sums.astype(again.dtype)
         sums[:, short] = again[:, short]
+    if share <= _TINY:
+        sums[:, targets & (sums[0] <= 100 * _TINY * heaviest)] = 0
     return sums
 
 

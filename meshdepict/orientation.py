@@ -53,7 +53,8 @@ def orient(points: Floats, faces: Ints) -> Orientation:
     points : (n, 3) array of float
         Finite. Points at bit-identical positions count as one.
     faces : (m, 3) array of int
-        Degenerate faces have no side and are never turned; copies of a face turn with it.
+        Copies of a face turn with it; one with two corners at one position has no side, and what
+        is said of it means nothing.
 
     Returns
     -------
@@ -106,7 +107,8 @@ def _message(flipped: Bools, disagreed: int, *, inside_out: bool, open_patches: 
         return None
     reasons = []
     if disagreed:
-        reasons.append(f"{disagreed:,} disagreed with their neighbours")
+        their = "its" if disagreed == 1 else "their"
+        reasons.append(f"{disagreed:,} disagreed with {their} neighbours")
     if inside_out:
         reasons.append(
             "the mesh was inside out" if flipped.all() else "closed parts were inside out"

@@ -208,7 +208,8 @@ class _NormalSums:
 
         # A first pass for resultants that are a fair share of the mass …
         error = self.tolerance / 4
-        scaled = width / self.unit
+        # Narrower than any two distinct positions can be apart, a Gaussian is a single point.
+        scaled = max(width / self.unit, 1e-18)
         sums = gaussian_sums(self.points, self.channels, scaled, error=error, done=done)
         vector, mass = self._resultant(sums, reference)
         length = np.linalg.norm(vector, axis=0)

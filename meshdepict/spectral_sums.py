@@ -32,6 +32,7 @@ _DOUBLE = 1.4
 # times, with a wider spreading kernel, is faster, down to the error that it can reach.
 _FINE_CELLS = 128**3
 _COARSE_ERROR = 1e-8
+_SAMPLE = 50_000  # points that planning looks at
 
 
 @dataclass(frozen=True)
@@ -112,7 +113,11 @@ def plan_tiles(
     wanted = everything if targets is None else np.flatnonzero(targets)
     if len(wanted) == 0:
         return [], 0.0
-    return _split(np.take(xyz, wanted, axis=1), xyz, error, pairs, Tile(wanted, everything))
+    # A sample tells where to cut; the points themselves are then dealt out along those cuts.
+    t, s = max(1, len(wanted) // _SAMPLE), max(1, len(everything) // _SAMPLE)
+    planning = _Planning(error, pairs, t, s)
+    cuts, cost = planning.best(np.take(xyz, wanted[::t], axis=1), xyz[:, ::s])
+    return _dealt(xyz, error, cuts, Tile(wanted, everything)), cost
 
 
 def least_cost(count: int, error: float, pairs: int) -> float:
@@ -121,35 +126,65 @@ def least_cost(count: int, error: float, pairs: int) -> float:
 
 
 def _radius(error: float) -> float:
-    """Distance, and frequency, at which exp(−r²/2) has fallen to the error."""
-    return math.sqrt(2 * math.log(1 / error))
+    """Distance, and frequency, at which exp(−r²/2) has fallen to half the error."""
+    return math.sqrt(2 * math.log(2 / error))
 
 
-def _split(
-    targets: NDArray[np.float64],
-    sources: NDArray[np.float64],
-    error: float,
-    pairs: int,
-    tile: Tile,
-) -> tuple[list[Tile], float]:
-    """Return the cheapest cutting of a tile, whose points' coordinates come along, and its cost."""
-    whole = _seconds(targets, sources, error, pairs)
-    low, high = targets.min(axis=1), targets.max(axis=1)
-    axis = int(np.argmax(high - low))
-    # One cut alone may cost more than it saves, and the next ones pay: so go on to the margin's
-    # size, below which nothing can be gained.
-    if high[axis] - low[axis] <= 2 * _radius(error):
-        return [tile], whole
-    left = targets[axis] <= (low[axis] + high[axis]) / 2
-    tiles: list[Tile] = []
-    cost = 0.0
-    for side in (left, ~left):
-        half = np.compress(side, targets, axis=1)
-        near = _within_margin(half, sources, error)
-        part = Tile(tile.targets[side], tile.sources[near])
-        cut, seconds = _split(half, np.compress(near, sources, axis=1), error, pairs, part)
-        tiles, cost = tiles + cut, cost + seconds
-    return (tiles, cost) if cost < whole else ([tile], whole)
+@dataclass(frozen=True)
+class _Cut:
+    """A plane across an axis, and the cuts of what lies below and above it."""
+
+    axis: int
+    at: float
+    below: _Cut | None
+    above: _Cut | None
+
+
+@dataclass(frozen=True)
+class _Planning:
+    """The search for the cheapest cuts, on samples that stand for so many points each."""
+
+    error: float
+    pairs: int
+    per_target: int
+    per_source: int
+
+    def best(
+        self, targets: NDArray[np.float64], sources: NDArray[np.float64]
+    ) -> tuple[_Cut | None, float]:
+        """Return the cuts of a tile, None if it stays whole, and its cost."""
+        count = targets.shape[1] * self.per_target + sources.shape[1] * self.per_source
+        whole = _seconds(targets, sources, count, self.error, self.pairs)
+        low, high = targets.min(axis=1), targets.max(axis=1)
+        axis = int(np.argmax(high - low))
+        # One cut alone may cost more than it saves, and the next ones pay: so go on to the
+        # margin's size, below which nothing can be gained.
+        if high[axis] - low[axis] <= 2 * _radius(self.error):
+            return None, whole
+        at = float(low[axis] + high[axis]) / 2
+        parts, cost = [], 0.0
+        for side in (targets[axis] <= at, targets[axis] > at):
+            half = np.compress(side, targets, axis=1)
+            near = _within_margin(half, sources, self.error)
+            part, seconds = self.best(half, np.compress(near, sources, axis=1))
+            parts.append(part)
+            cost += seconds
+        return (_Cut(axis, at, *parts), cost) if cost < whole else (None, whole)
+
+
+def _dealt(xyz: NDArray[np.float64], error: float, cut: _Cut | None, tile: Tile) -> list[Tile]:
+    """Cut a tile as planned, each part with the sources of its margin."""
+    if cut is None:
+        return [tile]
+    below = xyz[cut.axis, tile.targets] <= cut.at
+    tiles = []
+    for side, part in ((below, cut.below), (~below, cut.above)):
+        targets = tile.targets[side]
+        if len(targets):
+            sources = np.take(xyz, tile.sources, axis=1)
+            near = _within_margin(np.take(xyz, targets, axis=1), sources, error)
+            tiles += _dealt(xyz, error, part, Tile(targets, tile.sources[near]))
+    return tiles
 
 
 def _within_margin(
@@ -173,6 +208,8 @@ def _torus(
     every target.
     """
     low, high = targets.min(axis=1), targets.max(axis=1)
+    if sources.shape[1] == 0:  # a sample's
+        sources = targets
     span = np.maximum(sources.max(axis=1) - low, high - sources.min(axis=1))
     period = span + _radius(error)
     modes = 2 * np.floor(_radius(error) * period / (2 * math.pi)).astype(np.int64) + 1
@@ -185,12 +222,17 @@ def _refinement(modes: NDArray[np.int64], error: float) -> float:
 
 
 def _seconds(
-    targets: NDArray[np.float64], sources: NDArray[np.float64], error: float, pairs: int
+    targets: NDArray[np.float64],
+    sources: NDArray[np.float64],
+    count: int,
+    error: float,
+    pairs: int,
 ) -> float:
+    """Return the core-seconds of a tile of so many targets and sources, given samples of them."""
     _, _, modes = _torus(targets, sources, error)
     refinement = _refinement(modes, error)
     cells = float(np.prod(np.maximum(refinement * modes, 16.0)))
-    spread = (targets.shape[1] + sources.shape[1]) * _point_seconds(error, refinement)
+    spread = count * _point_seconds(error, refinement)
     transform = 2 * cells * _FFT_SECONDS * (1 if cells < 2 * _FINE_CELLS else 8)
     return pairs * (spread + transform) * (_DOUBLE if error < SINGLE_FLOOR else 1)
 
@@ -211,10 +253,10 @@ def _tile_sums(
     pairs = len(channels) // 2
     targets, sources = np.take(xyz, tile.targets, axis=1), np.take(xyz, tile.sources, axis=1)
     centre, period, modes = _torus(targets, sources, error)
-    # The library checks its accuracy goal, not ours: it warns where single precision gets close.
+    # (The library warns where single precision gets close to its limit; SINGLE_FLOOR knows.)
     options = {
-        "eps": max(error, 2e-7 if single else 1e-14), "dtype": kind, "nthreads": 1,
-        "maxbatchsize": 1, "upsampfac": _refinement(modes, error),
+        "eps": max(error / 2, 2e-7 if single else 1e-14), "dtype": kind, "nthreads": 1,
+        "maxbatchsize": 1, "upsampfac": _refinement(modes, error), "showwarn": 0,
     }  # fmt: skip
 
     def angles(points: NDArray[np.float64]) -> list[NDArray[Any]]:

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from meshdepict import samples
+from meshdepict import samples, threads
 from meshdepict.mesh import Mesh
 
 DATA = os.environ.get("MESHDEPICT_DATA")
@@ -47,6 +48,42 @@ def ball() -> Mesh:
 @pytest.fixture
 def rng() -> np.random.Generator:
     return np.random.default_rng(20061)
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
+    """An empty current folder; a command's --threads is not the next test's."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("COLUMNS", "100")
+    yield tmp_path
+    threads.limit(None)
+
+
+@pytest.fixture
+def ball_ply(folder: Path) -> Mesh:
+    """A very small golf ball, also as ball.ply in the current folder."""
+    from meshdepict.io import write_mesh
+
+    mesh = samples.golf_ball(400, dimples=12)
+    write_mesh("ball.ply", mesh)
+    return mesh
+
+
+@pytest.fixture
+def run(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> Callable[..., tuple[int, list[str], list[str]]]:
+    """Run a command line; return its status and the lines on stdout and stderr."""
+    from meshdepict.cli import main
+
+    def run(*words: object) -> tuple[int, list[str], list[str]]:
+        status = main([str(word) for word in words])
+        out, err = capsys.readouterr()
+        assert "\x1b" not in out + err
+        assert "Traceback" not in err
+        return status, out.splitlines(), err.splitlines()
+
+    return run
 
 
 def tetrahedron() -> tuple[np.ndarray, np.ndarray]:

@@ -38,7 +38,7 @@ def test_copies_turn_with_the_face_that_they_equal():
     assert flips((points, again[:, ::-1])).all()
 
 
-def test_degenerate_faces_are_never_turned_and_do_no_harm():
+def test_degenerate_faces_do_no_harm():
     points, faces = BALL
     a, b, _ = faces[0]
     middle = len(points)  # a needle on an edge, without area but with three corners

@@ -101,6 +101,19 @@ def test_a_full_device():
     assert stat.S_ISCHR(os.stat("/dev/full").st_mode)
 
 
+@pytest.mark.skipif(os.name != "posix", reason="needs a named pipe")
+def test_a_pipe_is_written_to_not_replaced(tmp_path):
+    path = tmp_path / "pipe"
+    os.mkfifo(path)
+    end = os.open(path, os.O_RDONLY | os.O_NONBLOCK)
+    try:
+        write(path)
+        assert os.read(end, 100) == b"new"
+    finally:
+        os.close(end)
+    assert stat.S_ISFIFO(path.stat().st_mode)
+
+
 def test_no_such_folder(tmp_path):
     with pytest.raises(MeshdepictError, match="there is no such folder"):
         write(tmp_path / "missing" / "mesh.ply")

@@ -6,6 +6,7 @@ import gzip
 import struct
 import subprocess
 import sys
+import warnings
 from pathlib import Path
 
 import numpy as np
@@ -13,7 +14,7 @@ import pytest
 from conftest import tetrahedron
 
 from meshdepict.errors import MeshdepictError
-from meshdepict.io import read, read_mesh, read_provenance, write_mesh
+from meshdepict.io import read, read_mesh, read_provenance, text, write_mesh
 from meshdepict.mesh import Mesh
 
 HEADER = b"""ply
@@ -120,6 +121,15 @@ WRONG = {
     "five.off": (b"OFF 1 1 0\n0 0 0 1 2\n3 0 0 0\n", "vertices of 5 numbers, which is unclear"),
     "four.off": (b"4OFF\n", "points of other than three dimensions"),
     "binary.off": (b"OFF BINARY\n" + struct.pack("<3i", 5, 1, 0), "wrong as OFF BINARY"),
+    "short_binary.off": (b"OFF BINARY\n1234", "wrong as OFF BINARY"),
+    "cut_binary.off": (
+        b"OFF BINARY\n" + struct.pack("<3i3f4i3i", 1, 2, 0, 0, 0, 0, 3, 0, 0, 0, 3, 0, 0),
+        "wrong as OFF BINARY",
+    ),
+    "negative_binary.off": (
+        b"OFF BINARY\n" + struct.pack("<3i3f5i", 1, 2, 0, 0, 0, 0, 3, 0, 0, 0, -3),
+        "wrong as OFF BINARY",
+    ),
     # STL
     "cut.stl": (STL[:-1], "is cut off or no STL: 134 bytes are due, but 133 are there"),
     "short.stl": (b"\0" * 40, "is cut off or no STL"),
@@ -184,6 +194,18 @@ def test_a_file_that_may_not_be_read(tmp_path, monkeypatch, fault, message):
     monkeypatch.setattr(Path, "open", refuse)
     with pytest.raises(MeshdepictError, match=message):
         read_mesh(tmp_path / "mesh.ply")
+
+
+def test_numbers_that_older_numpy_only_warns_of(monkeypatch):
+    """Before 2.4 it returned what came before the misfit."""
+
+    def before(*_args: object, **_options: object) -> None:
+        warnings.warn("string or file could not be read to its end", DeprecationWarning, 2)
+
+    monkeypatch.setattr(np, "fromstring", before)
+    for parse in (text.floats, text.integers):
+        with pytest.raises(ValueError, match="could not be read to its end"):
+            parse(b"1 2 x")
 
 
 def test_every_cut_of_a_file_is_noticed(tmp_path):

@@ -191,24 +191,38 @@ def test_texture_coordinates_become_lists_in_ply(obj, tmp_path):
         [],  # one of them doesn't exist
     ]
     assert [row.tolist() for row in theirs["vertex_indices"]][2] == [0, 1, 2, 3]
+    texture, corner = read_mesh(path).document.texcoords
+    assert texture.tolist() == [[0, 0], [0.5, 0], [1, 1], [0, 0], [0.5, 0], [1, 1], [0, 0]]
+    assert corner.tolist() == [0, 1, 2, -1, -1, -1, 3, 4, 5, 6] + [-1] * 6
 
 
 def test_texture_coordinates_stay_exact(obj, tmp_path):
     mesh = obj(SQUARE + "vt 0.1 0.7\nf 1/1 2/1 3/1\n")
     write_mesh(tmp_path / "mesh.ply", mesh)
-    found = read_mesh(tmp_path / "mesh.ply").attributes["face"]["texcoord"]
-    assert found.tolist() == [[0.1, 0.7] * 3]
+    texture, corner = read_mesh(tmp_path / "mesh.ply").document.texcoords
+    assert texture[corner].tolist() == [[0.1, 0.7]] * 3
 
 
-def test_another_mesh_does_not_get_the_files_lines(obj, tmp_path):
-    mesh = obj(SQUARE + "vt 0 0\nf 1/1 2/1 3/1\n")
-    moved = Mesh(mesh.vertices + 1, [[0, 1, 2, 3]], document=mesh.document)
-    write_mesh(tmp_path / "moved.obj", moved)
-    again = read_mesh(tmp_path / "moved.obj")
-    np.testing.assert_array_equal(again.vertices, moved.vertices)
-    assert again.polygons.connectivity.tolist() == [0, 1, 2, 3]
-    write_mesh(tmp_path / "moved.ply", moved)
-    assert read_mesh(tmp_path / "moved.ply").attributes["face"] == {}
+@pytest.mark.parametrize("source", ["mesh.obj", "mesh.ply"])
+def test_another_mesh_does_not_get_the_files_lines(obj, tmp_path, source):
+    mesh = obj(SQUARE + "vt 0 0\nvt 1 0\nf 1/1 2/1 3/2\n")
+    write_mesh(tmp_path / "mesh.ply", mesh)
+    mesh = read_mesh(tmp_path / source, winding="keep")
+    turned = Mesh(mesh.vertices, mesh.faces[:, ::-1], document=mesh.document, winding="keep")
+    moved = Mesh(mesh.vertices + 1, mesh.faces, document=mesh.document, winding="keep")
+    for changed in (turned, moved):
+        for suffix in (".obj", ".ply"):
+            path = tmp_path / f"changed{suffix}"
+            write_mesh(path, changed)
+            again = read_mesh(path, winding="keep")
+            np.testing.assert_array_equal(again.vertices, changed.vertices)
+            np.testing.assert_array_equal(again.faces, changed.faces)
+        # Texture coordinates belong to corners: they may move, but not be turned.
+        assert (again.document.texcoords is None) == (changed is turned)
+    copied = Mesh(mesh.vertices, mesh.faces, document=mesh.document, winding="keep")
+    write_mesh(tmp_path / "copied.ply", copied)
+    texture, corner = read_mesh(tmp_path / "copied.ply").document.texcoords
+    assert texture[corner].tolist() == [[0, 0], [0, 0], [1, 0]]
 
 
 def test_doubles_survive(tmp_path):

@@ -17,6 +17,7 @@ from conftest import tetrahedron
 
 from meshdepict.errors import MeshdepictWarning
 from meshdepict.io import read_mesh, read_provenance, write_mesh
+from meshdepict.io.document import Document
 from meshdepict.mesh import Mesh
 from meshdepict.polygons import Polygons, as_polygons
 
@@ -435,6 +436,17 @@ def test_a_changed_mesh_is_not_mistaken_for_its_file(tmp_path, change):
     np.testing.assert_array_equal(read_mesh(path).vertices, vertices)
     np.testing.assert_array_equal(read_mesh(path).faces, faces)
     np.testing.assert_array_equal(colors_of(read_mesh(path)), colors_of(mesh))
+
+
+class Elsewhere(Document):
+    """A reader's that knows texture coordinates, but not for which polygons."""
+
+    texcoords = (np.zeros((1, 2)), np.zeros(12, int))
+
+
+def test_texture_coordinates_of_other_polygons_are_left_out(tmp_path):
+    write_mesh(tmp_path / "new.ply", Mesh(*tetrahedron(), document=Elsewhere()))
+    assert read_mesh(tmp_path / "new.ply").document.texcoords is None
 
 
 # --- strips, rests, comments ----------------------------------------------------------------------

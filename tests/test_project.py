@@ -24,7 +24,10 @@ ORDER = [
     "shading",
     "color",
     "baking",
-    "viewer console report batch cli __main__",
+    "viewer console",
+    "report batch",
+    "cli",
+    "__main__",
 ]
 ROOM = {name: i for i, names in enumerate(ORDER) for name in names.split()}
 

@@ -84,6 +84,13 @@ def test_a_narrow_width_changes_nothing(ball):
     assert angle_between(space.normals[1], ball.normals).max() < 1e-4
 
 
+def test_widths_beyond_all_sense(ball):
+    narrow = scale_space(ball, scales=2, width=1e-310)
+    assert angle_between(narrow.normals[1:], ball.normals).max() < 1e-4
+    wide = scale_space(ball, scales=2, width=1e300)
+    assert np.isfinite(wide.normals).all()
+
+
 def test_without_facing_the_widest_scale_points_one_way():
     sheet = samples.wavy_sheet(2_000)
     space = scale_space(sheet, scales=1, width=1e4 * sheet.diagonal, facing=0)

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from meshdepict.errors import MeshdepictError
 from meshdepict.io.atomic import atomic_write
 from meshdepict.io.document import MARK, Saving
-from meshdepict.io.source import FORMATS, format_of, opened, suffix_of
+from meshdepict.io.source import FORMATS, WRITABLE, format_of, opened, suffix_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -22,8 +22,6 @@ if TYPE_CHECKING:
     from meshdepict.mesh import Mesh
 
 __all__ = ["atomic_write", "read", "read_mesh", "read_provenance", "write_mesh"]
-
-_WRITABLE = [suffix for suffix in FORMATS if suffix != ".stl"]
 
 
 def read(path: str | os.PathLike[str], *, winding: str = "auto") -> Mesh:
@@ -112,10 +110,10 @@ def write_mesh(
     suffix = suffix_of(path)
     if suffix == ".stl":
         raise MeshdepictError(f"{path}: STL can't hold colours; save as .ply instead")
-    if suffix not in FORMATS:
+    if suffix not in WRITABLE:
         raise MeshdepictError(
             f"{path}: meshes are not saved as {suffix or 'a file without suffix'}; "
-            f"use one of {', '.join(_WRITABLE)} (also with .gz)"
+            f"use one of {', '.join(WRITABLE)} (also with .gz)"
         )
     saving = Saving(_checked_colors(colors, mesh), _checked_comments(comments), keep_colors, suffix)
     module = _module(FORMATS[suffix])

@@ -14,6 +14,7 @@ from meshdepict.errors import MeshdepictWarning
 
 if TYPE_CHECKING:
     from meshdepict.mesh import Mesh
+    from meshdepict.polygons import Polygons
 
 __all__ = [
     "COLOR",
@@ -63,6 +64,10 @@ class Document:
     def texcoords(self) -> tuple[NDArray[np.float64], NDArray[np.int64]] | None:
         """(t, 2) texture coordinates, and which of them each corner has (−1: none), or None."""
         return None
+
+    def describes(self, vertices: NDArray[np.float64] | None, polygons: Polygons) -> bool:
+        """Whether these are the file's vertices (if given) and polygons, not changed ones."""
+        return False
 
 
 def new_names(names: Iterable[str], *, ours: bool, keep: bool) -> dict[str, str]:

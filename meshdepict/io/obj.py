@@ -41,6 +41,11 @@ class ObjDocument(Document):
         """(t, 2) texture coordinates, and which of them each corner has (−1: none), or None."""
         return (self.texture, self.corners) if len(self.texture) else None
 
+    def describes(self, vertices: NDArray[np.float64] | None, polygons: Polygons) -> bool:
+        """Whether these are the file's vertices (if given) and polygons, not changed ones."""
+        same = vertices is None or np.array_equal(vertices, self.vertices)
+        return same and all(map(np.array_equal, self.polygons, polygons))
+
 
 def provenance(file: BinaryIO) -> tuple[str, ...]:
     """Return the comments that this program wrote at the top."""
@@ -96,17 +101,15 @@ def encode(file: BinaryIO, mesh: Mesh, saving: Saving) -> None:
     colors = only_colors(mesh, saving, "OBJ")
     polygons = mesh.polygons or as_polygons(mesh.faces)
     document = mesh.document
-    if isinstance(document, ObjDocument):
-        same_faces = all(map(np.array_equal, document.polygons, polygons))
-        if same_faces and np.array_equal(document.vertices, mesh.vertices):
-            data = document.data
-            if line_end(data) == b"\r":  # one kind of line ends, with the comments
-                data = data.replace(b"\r", b"\n")
-            if saving.comments or saving.colors is not None:
-                data = _without_provenance(data)
-            _write_comments(file, saving)
-            file.write(data if saving.colors is None else _edited(data, saving.colors))
-            return
+    if isinstance(document, ObjDocument) and document.describes(mesh.vertices, polygons):
+        data = document.data
+        if line_end(data) == b"\r":  # one kind of line ends, with the comments
+            data = data.replace(b"\r", b"\n")
+        if saving.comments or saving.colors is not None:
+            data = _without_provenance(data)
+        _write_comments(file, saving)
+        file.write(data if saving.colors is None else _edited(data, saving.colors))
+        return
     _write_comments(file, saving)
     if colors is None:
         file.write(text.rows("v %r %r %r\n", *mesh.vertices.T))

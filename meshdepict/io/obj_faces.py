@@ -74,10 +74,7 @@ def _from_zero(index: Ints, offsets: Ints, before: Callable[[], Ints]) -> Ints:
 
 
 def _misfit(block: bytes) -> MeshdepictError:
-    for number, line in enumerate(block.splitlines(), 1):
-        if not all(map(_CORNER.fullmatch, line.split())):
-            shown = line.strip()[:80].decode(errors="replace")
-            return MeshdepictError(
-                f"has a face, number {number}, that is not understood: {shown!r}"
-            )
-    return MeshdepictError("has a face that is not understood")
+    faces = enumerate(block.splitlines(), 1)
+    number, line = next(face for face in faces if not all(map(_CORNER.fullmatch, face[1].split())))
+    shown = line.strip()[:80].decode(errors="replace")
+    return MeshdepictError(f"has a face, number {number}, that is not understood: {shown!r}")

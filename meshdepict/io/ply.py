@@ -19,6 +19,7 @@ from meshdepict.io.ply_document import (
     PlyDocument,
     Section,
     geometry_of,
+    hold,
     index_list,
     line_end,
     split_sections,
@@ -69,7 +70,9 @@ def decode(data: bytes, path: Path) -> Contents:
     vertices, faces = geometry_of(sections)
     attributes = {"vertex": _attributes(sections["vertex"], POSITION)}
     if "face" in sections and "tristrips" not in sections:
-        attributes["face"] = _attributes(sections["face"], (index_list(sections["face"]),))
+        # Texture coordinates belong to corners: they stay with the document.
+        corners = (index_list(sections["face"]), "texcoord")
+        attributes["face"] = _attributes(sections["face"], corners)
     document = PlyDocument(provenance=header.provenance, header=header, data=data)
     return Contents(vertices, faces, attributes, document)
 
@@ -91,9 +94,7 @@ def encode(file: BinaryIO, mesh: Mesh, saving: Saving) -> None:
     document = mesh.document
     if isinstance(document, PlyDocument):
         sections, rest = split_sections(document.header, document.data)
-        vertices, faces = geometry_of(sections)
-        same_faces = all(map(np.array_equal, as_polygons(faces), polygons))
-        if same_faces and np.array_equal(vertices, mesh.vertices):
+        if hold(sections, mesh.vertices, polygons):
             _write_edited(file, mesh, saving, document.header, sections)
             file.write(rest)
             return
@@ -164,8 +165,8 @@ def _write_fresh(file: BinaryIO, mesh: Mesh, polygons: Polygons, saving: Saving)
     lists: dict[str, Column] = {"vertex_indices": Ragged(*polygons)}
     if (sizes == largest).all():
         lists["vertex_indices"] = polygons.connectivity.reshape(-1, largest)
-    if document.texcoords and len(document.texcoords[1]) == len(polygons.connectivity):
-        texcoords = _corner_texcoords(*document.texcoords, polygons)
+    if (own := document.texcoords) and document.describes(None, polygons):
+        texcoords = _corner_texcoords(*own, polygons)
         kind = exact_float(texcoords.values)
         properties.append(Property("texcoord", kind, "u1" if largest < 128 else "i4"))
         lists["texcoord"] = texcoords

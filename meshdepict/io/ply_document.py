@@ -15,13 +15,14 @@ from meshdepict.io.ply_binary import decode_binary
 from meshdepict.io.ply_header import Element, Header
 from meshdepict.io.ply_rows import Column, Ragged, as_ragged
 from meshdepict.io.ply_text import decode_text
-from meshdepict.polygons import Polygons, strip_triangles
+from meshdepict.polygons import Polygons, as_polygons, strip_triangles
 
 __all__ = [
     "POSITION",
     "PlyDocument",
     "Section",
     "geometry_of",
+    "hold",
     "index_list",
     "line_end",
     "split_sections",
@@ -44,6 +45,24 @@ class PlyDocument(Document):
 
     header: Header
     data: bytes
+
+    @property
+    def texcoords(self) -> tuple[NDArray[np.float64], NDArray[np.int64]] | None:
+        """(t, 2) texture coordinates, and which of them each corner has (−1: none), or None."""
+        face = split_sections(self.header, self.data)[0].get("face")
+        if face is None or "texcoord" not in face.columns or not index_list(face):
+            return None
+        listed = as_ragged(face.columns["texcoord"])
+        sizes = np.diff(as_ragged(face.columns[index_list(face)]).offsets)
+        length = np.diff(listed.offsets)
+        fitting = length == 2 * sizes
+        values = listed.values[np.repeat(fitting, length)].astype(np.float64).reshape(-1, 2)
+        corner = np.repeat(fitting, sizes)
+        return values, np.where(corner, np.cumsum(corner) - 1, -1)
+
+    def describes(self, vertices: NDArray[np.float64] | None, polygons: Polygons) -> bool:
+        """Whether these are the file's vertices (if given) and polygons, not changed ones."""
+        return hold(split_sections(self.header, self.data)[0], vertices, polygons)
 
 
 def split_sections(header: Header, data: bytes) -> tuple[dict[str, Section], bytes]:
@@ -68,6 +87,15 @@ def split_sections(header: Header, data: bytes) -> tuple[dict[str, Section], byt
 def line_end(header: Header) -> bytes:
     """Return what the lines of an ASCII file end with (before it, a carriage return may stand)."""
     return b"\r" if header.newline == b"\r" else b"\n"
+
+
+def hold(
+    sections: Mapping[str, Section], vertices: NDArray[np.float64] | None, polygons: Polygons
+) -> bool:
+    """Whether a file's elements hold these vertices (if given) and polygons."""
+    own_vertices, own_faces = geometry_of(sections)
+    same = vertices is None or np.array_equal(vertices, own_vertices)
+    return same and all(map(np.array_equal, as_polygons(own_faces), polygons))
 
 
 def geometry_of(sections: Mapping[str, Section]) -> tuple[NDArray[Any], Any]:

@@ -98,13 +98,11 @@ def _one(_kind: str | None) -> int:
 
 def _misfit(lines: Sequence[bytes], element: Element) -> MeshdepictError:
     """Find the line that contradicts the header."""
-    for row, line in enumerate(lines):
-        problem = _problem(line.split(), element)
-        if problem:
-            return MeshdepictError(
-                f"contradicts its PLY header: row {row} (from 0) of {element.name} {problem}"
-            )
-    return MeshdepictError(f"contradicts its PLY header in the rows of {element.name}")
+    problems = ((row, _problem(line.split(), element)) for row, line in enumerate(lines))
+    row, problem = next(found for found in problems if found[1])
+    return MeshdepictError(
+        f"contradicts its PLY header: row {row} (from 0) of {element.name} {problem}"
+    )
 
 
 def _problem(words: list[bytes], element: Element) -> str | None:

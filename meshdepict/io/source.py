@@ -14,7 +14,7 @@ from typing import BinaryIO
 
 from meshdepict.errors import MeshdepictError
 
-__all__ = ["FORMATS", "KNOWN", "format_of", "opened", "suffix_of"]
+__all__ = ["FORMATS", "WRITABLE", "format_of", "opened", "suffix_of"]
 
 # Suffix → the module of this package that reads (and, but for STL, writes) it.
 FORMATS = {
@@ -26,7 +26,7 @@ FORMATS = {
     ".gltf": "gltf",
     ".vtp": "vtp",
 }
-KNOWN = ", ".join(FORMATS)
+WRITABLE = tuple(suffix for suffix in FORMATS if suffix != ".stl")  # STL holds no colours
 
 _OFF = re.compile(rb"\s*(?:#[^\r\n]*[\r\n]\s*)*(?:ST)?C?N?4?n?OFF\b")
 _STL_HEADER, _STL_TRIANGLE = 84, 50  # bytes
@@ -94,7 +94,8 @@ def format_of(path: str | os.PathLike[str], start: bytes, size: int) -> str:
     suffix = suffix_of(path)
     if suffix in FORMATS:
         return FORMATS[suffix]
-    raise MeshdepictError(f"{path}: its format is unknown; meshes are read from {KNOWN} (also .gz)")
+    known = ", ".join(FORMATS)
+    raise MeshdepictError(f"{path}: its format is unknown; meshes are read from {known} (also .gz)")
 
 
 def _by_content(start: bytes, size: int) -> str | None:

@@ -36,6 +36,12 @@ class VtpDocument(Document):
 
     data: bytes
 
+    def describes(self, vertices: NDArray[np.float64] | None, polygons: Polygons) -> bool:
+        """Whether these are the file's vertices (if given) and polygons, not changed ones."""
+        own_vertices, own_polygons, _ = _geometry(_polydata(self.data))
+        same = vertices is None or np.array_equal(vertices, own_vertices)
+        return same and all(map(np.array_equal, own_polygons, polygons))
+
 
 def provenance(file: BinaryIO) -> tuple[str, ...]:
     """Return the lines that this program wrote into the field data."""
@@ -181,9 +187,14 @@ def encode(file: BinaryIO, mesh: Mesh, saving: Saving) -> None:
     """Write a mesh: the data that it was read from with new colours, or new data."""
     from vtkmodules.vtkIOXML import vtkXMLPolyDataWriter
 
-    poly = _former(mesh) or _fresh(mesh)
+    polygons = mesh.polygons or as_polygons(mesh.faces)
+    document = mesh.document
+    if isinstance(document, VtpDocument) and document.describes(mesh.vertices, polygons):
+        poly = _polydata(document.data)
+    else:
+        poly = _fresh(mesh, polygons)
     if saving.colors is not None:
-        ours = isinstance(mesh.document, Document) and bool(mesh.document.provenance)
+        ours = isinstance(document, Document) and bool(document.provenance)
         for name in {*_TRIPLES, _color_name(poly)} - {None}:
             poly.GetPointData().RemoveArray(name)
         attributes = recolored(mesh.attributes["vertex"], saving, ours=ours)
@@ -207,17 +218,7 @@ def encode(file: BinaryIO, mesh: Mesh, saving: Saving) -> None:
     file.write(text if isinstance(text, bytes) else text.encode())
 
 
-def _former(mesh: Mesh) -> Any:
-    """Return the data that a mesh was read from, None where it is another mesh now."""
-    if not isinstance(mesh.document, VtpDocument):
-        return None
-    poly = _polydata(mesh.document.data)
-    vertices, polygons, _ = _geometry(poly)
-    same_faces = all(map(np.array_equal, polygons, mesh.polygons or as_polygons(mesh.faces)))
-    return poly if same_faces and np.array_equal(vertices, mesh.vertices) else None
-
-
-def _fresh(mesh: Mesh) -> Any:
+def _fresh(mesh: Mesh, polygons: Polygons) -> Any:
     from vtkmodules.util.numpy_support import numpy_to_vtk, numpy_to_vtkIdTypeArray
     from vtkmodules.vtkCommonCore import vtkPoints
     from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkPolyData
@@ -225,7 +226,6 @@ def _fresh(mesh: Mesh) -> Any:
     points = vtkPoints()
     kind = exact_float(mesh.vertices)
     points.SetData(numpy_to_vtk(mesh.vertices.astype(kind), deep=True))
-    polygons = mesh.polygons or as_polygons(mesh.faces)
     cells = vtkCellArray()
     cells.SetData(
         numpy_to_vtkIdTypeArray(polygons.offsets, deep=True),

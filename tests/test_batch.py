@@ -1,0 +1,281 @@
+"""Baking files: what is written, under which name, and what is never overwritten."""
+
+import os
+
+import numpy as np
+import pytest
+
+import meshdepict as md
+from meshdepict import batch, samples, threads
+from meshdepict.io import read_mesh, read_provenance, write_mesh
+
+
+def colors(path):
+    vertex = read_mesh(path).attributes["vertex"]
+    return np.stack([vertex[name] for name in ("red", "green", "blue")], axis=1)
+
+
+# --- results --------------------------------------------------------------------------------------
+
+
+def test_bake_writes_the_colors_of_the_library(run, ball_ply):
+    status, _, err = run("bake", "ball.ply")
+    assert (status, err) == (0, [])
+    baked = md.bake(ball_ply)
+    assert np.array_equal(colors("ball-exaggerated.ply"), baked.colors)
+    assert read_provenance("ball-exaggerated.ply") == baked.comments
+
+
+def test_the_closing_line_is_a_caption(run, ball_ply):
+    _, (line,), _ = run("bake", "ball.ply", "--width", "0.1")
+    assert line.startswith("ball-exaggerated.ply: exaggerated, light northwest, ")
+    assert "9 widths 0.1 to 1.6, " in line
+    assert float(line.removesuffix(" s").rpartition(" ")[2]) >= 0
+
+
+def test_the_closing_line_without_scales_has_no_widths(run, ball_ply):
+    _, (line,), _ = run("bake", "ball.ply", "-m", "lambert", "--light", "300,20")
+    caption = "ball-lambert.ply: lambert, light azimuth 300° elevation 20°, "
+    assert line.startswith(caption)
+    assert line.removeprefix(caption).endswith(" s")
+    assert "width" not in line
+
+
+@pytest.mark.parametrize(
+    ("words", "arguments"),
+    [
+        (("-m", "half_lambert"), {"method": "half_lambert"}),
+        (("--method", "lambert", "--light", "east"), {"method": "lambert", "light": "east"}),
+        (("--light", "-1,1,1"), {"light": (-1, 1, 1)}),
+        (("--light=-1,.5,1e0",), {"light": (-1, 0.5, 1)}),
+        (("--light", "-30,-20"), {"light": (-30, -20)}),
+        (("--view", "left"), {"view": "left"}),
+        (("--up", "z"), {"up": "z"}),
+        (("--scales", "3"), {"scales": 3}),
+        (("--width", "0.07"), {"width": 0.07}),
+        (("--width", "3%"), {"width": "3%"}),
+        (("--ratio", "1.7"), {"ratio": 1.7}),
+        (("--facing", "0", "--width", "0.3"), {"facing": 0, "width": 0.3}),
+        (("--tolerance", "1e-2"), {"tolerance": 1e-2}),
+        (("--colormap", "sepia"), {"colormap": "sepia"}),
+        (
+            ("--set", "exaggeration=40", "--set", "emphasis=-1"),
+            {"exaggeration": 40.0, "emphasis": -1.0},
+        ),
+    ],
+)
+def test_every_option_of_bake_reaches_the_library(run, ball_ply, words, arguments):
+    status, _, err = run("bake", "ball.ply", "-o", "out.ply", *words)
+    assert (status, err) == (0, [])
+    expected = md.bake(ball_ply, **arguments)
+    assert np.array_equal(colors("out.ply"), expected.colors)
+    assert read_provenance("out.ply") == expected.comments
+
+
+def test_without_input_a_golf_ball_is_baked(run, folder, monkeypatch):
+    mesh = samples.golf_ball(400, dimples=12)
+    monkeypatch.setattr(samples, "golf_ball", lambda: mesh)
+    status, (line,), err = run("bake")
+    assert (status, err) == (0, [])
+    assert line.startswith("golf-ball-exaggerated.ply: exaggerated, ")
+    assert np.array_equal(colors("golf-ball-exaggerated.ply"), md.bake(mesh).colors)
+
+
+@pytest.mark.parametrize(
+    ("name", "output"),
+    [
+        ("ball.ply", "ball-lambert.ply"),
+        ("scan.v2.ply", "scan.v2-lambert.ply"),
+        ("ball.ply.gz", "ball-lambert.ply"),
+        ("BALL.OBJ", "BALL-lambert.ply"),
+        ("find 7 [a].off", "find 7 [a]-lambert.ply"),
+        ("ball.bin", "ball.bin-lambert.ply"),
+    ],
+)
+def test_the_output_is_named_after_input_and_method(run, folder, name, output):
+    written = "temporary.ply" if name.endswith(".bin") else name
+    write_mesh(written, samples.sphere(42))
+    os.rename(written, name)
+    assert run("bake", name, "-m", "lambert")[0] == 0
+    assert (folder / output).is_file()
+
+
+def test_input_elsewhere_is_baked_into_the_current_folder(run, ball_ply, folder):
+    (folder / "sub").mkdir()
+    os.rename("ball.ply", "sub/ball.ply")
+    assert run("bake", "sub/ball.ply")[0] == 0
+    assert [path.name for path in (folder / "sub").iterdir()] == ["ball.ply"]
+    assert (folder / "ball-exaggerated.ply").is_file()
+
+
+@pytest.mark.parametrize("given", ["sub", "sub/", "sub/other.obj"])
+def test_output_is_a_file_or_a_folder(run, ball_ply, folder, given):
+    (folder / "sub").mkdir()
+    assert run("bake", "ball.ply", "-o", given)[0] == 0
+    (found,) = (folder / "sub").iterdir()
+    assert found.name == ("other.obj" if "other" in given else "ball-exaggerated.ply")
+
+
+def test_albedo_keep_multiplies_the_own_colors(run, folder):
+    mesh = samples.sphere(42)
+    write_mesh("red.ply", mesh, colors=np.full((42, 3), (255, 128, 0), np.uint8))
+    assert run("bake", "red.ply", "-m", "half_lambert", "-o", "plain.ply")[0] == 0
+    assert (
+        run("bake", "red.ply", "-m", "half_lambert", "--albedo", "keep", "-o", "kept.ply")[0] == 0
+    )
+    plain, kept = colors("plain.ply"), colors("kept.ply")
+    assert np.array_equal(kept[:, 0], plain[:, 0])  # times one
+    assert (kept[:, 1] <= plain[:, 1]).all()
+    assert (kept[:, 1] < plain[:, 1]).any()
+    assert not kept[:, 2].any()
+    vertex = read_mesh("kept.ply").attributes["vertex"]
+    assert (vertex["original_green"] == 128).all()
+
+
+def test_rebaking_keeps_the_own_colors_for_albedo(run, folder):
+    write_mesh("red.ply", samples.sphere(42), colors=np.full((42, 3), (200, 100, 50), np.uint8))
+    assert run("bake", "red.ply", "-o", "one.ply")[0] == 0
+    for source in ("red.ply", "one.ply"):
+        assert run("bake", source, "--albedo", "keep", "-o", f"{source}-two.ply")[0] == 0
+    assert np.array_equal(colors("red.ply-two.ply"), colors("one.ply-two.ply"))
+
+
+def test_winding_keep_believes_the_file(run, folder):
+    mesh = samples.sphere(162)
+    write_mesh("inside.ply", md.Mesh(mesh.vertices, mesh.faces[:, ::-1], winding="keep"))
+    light = ("-m", "half_lambert", "--light", "0,0,1")
+    status, _, (note,) = run("bake", "inside.ply", *light)
+    assert status == 0
+    assert note.startswith("meshdepict: note: inside.ply: winding of 320 faces was turned")
+    assert run("bake", "inside.ply", *light, "--winding", "keep", "-o", "kept.ply")[2] == []
+    assert run("bake", "inside.ply", *light, "--quiet", "-o", "quiet.ply")[2] == []
+    turned, kept = colors("inside-half_lambert.ply"), colors("kept.ply")
+    assert np.array_equal(colors("quiet.ply"), turned)
+    top = mesh.vertices[:, 2].argmax()
+    assert turned[top].min() > 250
+    assert kept[top].max() < 5
+
+
+def test_fix_winding_writes_the_turned_faces(run, folder):
+    mesh = samples.sphere(162)
+    write_mesh("inside.ply", md.Mesh(mesh.vertices, mesh.faces[:, ::-1], winding="keep"))
+    assert run("bake", "inside.ply", "--fix-winding", "-o", "fixed.ply")[0] == 0
+    fixed = read_mesh("fixed.ply")
+    assert fixed.orientation.message is None
+    assert (np.sort(fixed.faces) == np.sort(mesh.faces)).all()
+    assert np.array_equal(colors("fixed.ply"), md.bake(mesh).colors)
+
+
+def test_threads_are_limited_for_one_run_only(run, ball_ply, monkeypatch):
+    seen = []
+    monkeypatch.setattr(batch.Batch, "run", lambda self: seen.append(threads.thread_count()) or 0)
+    for words in (("--threads", "1"), (), ("--threads", "3")):
+        assert run("bake", "ball.ply", *words)[0] == 0
+    threads.limit(None)
+    assert seen == [1, threads.thread_count(), 3]
+
+
+# --- what may be replaced -------------------------------------------------------------------------
+
+
+def test_own_results_are_replaced(run, ball_ply):
+    assert run("bake", "ball.ply", "-o", "out.ply", "--light", "east")[0] == 0
+    first = colors("out.ply")
+    assert run("bake", "ball.ply", "-o", "out.ply", "--light", "west")[0] == 0
+    assert not np.array_equal(colors("out.ply"), first)
+
+
+@pytest.mark.parametrize("content", [b"ply\nsomething", b"", b"words"])
+def test_the_files_of_others_are_not_replaced_unless_forced(run, ball_ply, folder, content):
+    (folder / "out.ply").write_bytes(content)
+    status, out, (line,) = run("bake", "ball.ply", "-o", "out.ply")
+    assert (status, out) == (2, [])
+    assert line.startswith("meshdepict: out.ply exists and was not written by meshdepict: ")
+    assert "--force" in line
+    assert (folder / "out.ply").read_bytes() == content
+    assert run("bake", "ball.ply", "-o", "out.ply", "--force")[0] == 0
+    assert read_provenance("out.ply")
+
+
+@pytest.mark.parametrize("name", ["out.obj", "out.off", "out.glb", "out.ply.gz"])
+def test_own_results_are_known_in_every_format(run, ball_ply, name):
+    for light in ("east", "west"):
+        assert run("bake", "ball.ply", "-o", name, "--light", light)[0] == 0
+
+
+def test_an_input_is_not_replaced_unless_forced(run, ball_ply, folder):
+    run("bake", "ball.ply", "-o", "baked.ply")  # ours, but an input all the same
+    before = (folder / "baked.ply").read_bytes()
+    os.symlink("baked.ply", "link.ply")
+    for output in ("baked.ply", "./baked.ply", "link.ply"):
+        status, _, (line,) = run("bake", "baked.ply", "-o", output, "-m", "lambert")
+        assert status == 2
+        assert line.startswith(f"meshdepict: {md_path(output)} is an input: ")
+        assert (folder / "baked.ply").read_bytes() == before
+    assert run("bake", "baked.ply", "-o", "baked.ply", "-m", "lambert", "--force")[0] == 0
+    assert "meshdepict method: lambert" in read_provenance("baked.ply")
+
+
+def md_path(text):
+    return text.removeprefix("./")
+
+
+def test_names_are_checked_before_anything_is_read(run, ball_ply, folder, monkeypatch):
+    (folder / "out.ply").write_text("mine")
+    monkeypatch.setattr(batch, "read_mesh", lambda *_, **__: pytest.fail("read too early"))
+    for words in (("-o", "out.ply"), ("-o", "x.stl"), ("--picture", "x.jpg")):
+        assert run("bake", "ball.ply", *words)[0] == 2
+
+
+# --- several --------------------------------------------------------------------------------------
+
+
+def test_one_failed_file_does_not_stop_the_rest(run, ball_ply, folder):
+    (folder / "bad.ply").write_text("nothing of the kind")
+    write_mesh("second.off", samples.sphere(42))
+    status, out, err = run("bake", "ball.ply", "bad.ply", "gone.ply", "second.off")
+    assert status == 2
+    assert [line.split(":")[0] for line in out] == [
+        "ball-exaggerated.ply",
+        "second-exaggerated.ply",
+    ]
+    assert err[0] == "meshdepict: gone.ply: there is no such file"
+    assert err[1].startswith("meshdepict: bad.ply")
+    assert err[2:] == ["meshdepict: 2 of 4 baked"]
+
+
+def test_several_are_baked_into_a_folder(run, ball_ply, folder):
+    (folder / "out").mkdir()
+    write_mesh("second.ply", samples.sphere(42))
+    status, out, err = run("bake", "ball.ply", "second.ply", "-o", "out", "--quiet")
+    assert (status, len(out), err) == (0, 2, [])
+    assert {path.stem for path in (folder / "out").iterdir()} == {
+        "ball-exaggerated",
+        "second-exaggerated",
+    }
+
+
+def test_two_inputs_never_share_an_output(run, ball_ply, folder):
+    write_mesh("ball.obj", samples.sphere(42))
+    status, out, err = run("bake", "ball.ply", "ball.obj")
+    assert status == 2
+    assert len(out) == 1
+    assert err == [
+        "meshdepict: ball.obj would become ball-exaggerated.ply as ball.ply does: bake it alone",
+        "meshdepict: 1 of 2 baked",
+    ]
+    assert np.array_equal(read_mesh("ball-exaggerated.ply").vertices, ball_ply.vertices)
+
+
+def test_running_out_of_memory_is_one_file_s_fault(run, ball_ply, folder, monkeypatch):
+    write_mesh("second.ply", samples.sphere(42))
+
+    def read(path, **_):
+        if path.name == "ball.ply":
+            raise MemoryError
+        return read_mesh(path)
+
+    monkeypatch.setattr(batch, "read_mesh", read)
+    status, out, err = run("bake", "ball.ply", "second.ply")
+    assert (status, len(out)) == (2, 1)
+    assert err[0].startswith("meshdepict: ball.ply: out of memory")

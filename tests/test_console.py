@@ -1,0 +1,64 @@
+"""Messages on stderr: a bar for long work on a terminal, single lines, nothing of others."""
+
+import io
+import sys
+import time
+import warnings
+from pathlib import Path
+
+import pytest
+
+import meshdepict as md
+from meshdepict import batch, console
+from meshdepict.cli import main
+from meshdepict.io import read_mesh
+
+
+class Terminal(io.StringIO):
+    def isatty(self):
+        return True
+
+
+@pytest.mark.parametrize("quiet", [True, False])
+def test_long_work_shows_a_bar_on_a_terminal(ball_ply, monkeypatch, capsys, quiet):
+    terminal = Terminal()
+    monkeypatch.setattr(sys, "stderr", terminal)
+    monkeypatch.setenv("TERM", "xterm")
+    monkeypatch.setattr(console, "_PATIENCE", 0.0)
+    monkeypatch.setattr(batch, "read_mesh", lambda *_, **__: pause(ball_ply))
+    assert main(["bake", "ball.ply", *["--quiet"] * quiet]) == 0
+    assert ("ball.ply" in terminal.getvalue()) is not quiet
+    assert capsys.readouterr().out.startswith("ball-exaggerated.ply: ")
+
+
+def pause(mesh):
+    """Give the bar's thread the time to appear."""
+    time.sleep(0.2)
+    return mesh
+
+
+def test_short_work_shows_no_bar(ball_ply, monkeypatch):
+    terminal = Terminal()
+    monkeypatch.setattr(sys, "stderr", terminal)
+    monkeypatch.setattr(console, "_PATIENCE", 60.0)
+    assert main(["bake", "ball.ply"]) == 0
+    assert terminal.getvalue() == ""
+
+
+def test_the_warnings_of_others_stay_away(run, ball_ply, monkeypatch):
+    def read(path, **_):
+        warnings.warn("about\nnothing", RuntimeWarning, stacklevel=1)
+        warnings.warn("about\nthe mesh", md.MeshdepictWarning, stacklevel=1)
+        return read_mesh(path)
+
+    monkeypatch.setattr(batch, "read_mesh", read)
+    status, _, err = run("bake", "ball.ply")
+    assert (status, err) == (0, ["meshdepict: note: ball.ply: about the mesh"])
+
+
+def test_a_message_names_its_file_once():
+    path = Path("a")
+    assert console.about(path, "a is empty") == "a is empty"
+    assert console.about(path, "a: no") == "a: no"
+    assert console.about(path, "albedo is missing") == "a: albedo is missing"
+    assert console.about(None, "no") == "no"
