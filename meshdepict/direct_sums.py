@@ -203,7 +203,7 @@ def _sum_few(xyz, values, few, constants, bits, shift, sums):  # type: ignore[no
 def _reach(cells, shape, side, radius, cell, rows):  # type: ignore[no-untyped-def]
     """List the runs of cells [first, last) within ``radius`` of a cell, one run per (y, z) row."""
     ix, iy, iz = cell % shape[0], (cell // shape[0]) % shape[1], cell // (shape[0] * shape[1])
-    far = int(math.ceil(radius / side))
+    far = math.ceil(radius / side)
     found = 0
     for jz in range(max(iz - far, 0), min(iz + far + 1, shape[2])):
         dz = max(abs(jz - iz) - 1, 0) * side
@@ -240,12 +240,25 @@ def _ball(xyz, wanted, begin, end, ball):  # type: ignore[no-untyped-def]
 
 @njit(**_COMPILED)
 def _sum_cells(  # type: ignore[no-untyped-def]
-    xyz, values, wanted, cells, starts, shape, side, radius, constants, bits, shift, begin, end, sums
+    xyz,
+    values,
+    wanted,
+    cells,
+    starts,
+    shape,
+    side,
+    radius,
+    constants,
+    bits,
+    shift,
+    begin,
+    end,
+    sums,
 ):
     """Compute the sums of all wanted points of the cells [begin, end)."""
     of = values.dtype.type
     channels = len(values)
-    far = int(math.ceil(radius / side))
+    far = math.ceil(radius / side)
     rows = np.empty(((2 * far + 1) ** 2, 2), np.int64)
     ball = np.empty(4)
     near = np.empty(_BATCH, np.int64)

@@ -259,9 +259,7 @@ def _check(scales: int, ratio: float, facing: int, tolerance: float) -> None:
         raise MeshdepictError(f"tolerance={tolerance!r} is not an angle from 1e-7 to 0.1 radians")
 
 
-def _reporter(
-    progress: Progress | None, scale: int, scales: int
-) -> Callable[[float], None] | None:
+def _reporter(progress: Progress | None, scale: int, scales: int) -> Callable[[float], None] | None:
     """Turn shares of one scale's work into ``progress(done, total)`` over all scales."""
     if progress is None:
         return None

@@ -23,14 +23,16 @@ __all__ = ["SINGLE_FLOOR", "Tile", "least_cost", "plan_tiles", "spectral_sums"]
 
 SINGLE_FLOOR = 5e-6  # error, relative to the largest mass, that single precision reaches here
 
-# Seconds of one core, measured with finufft 2.5: a point and transform, for each node of the fine
-# grid that it is spread to; a cell of the fine grid and transform. Double precision costs more.
-_SPREAD_SECONDS = 0.25e-9
-_FFT_SECONDS = 15e-9
-_DOUBLE = 1.4
-# Fine grids of more cells than this fall out of the cache; then a grid refined 1.25 instead of 2
-# times, with a wider spreading kernel, is faster, down to the error that it can reach.
-_FINE_CELLS = 128**3
+# Seconds of one core, measured with finufft 2.5 in single precision: a point and transform, for
+# each node of the fine grid that it is spread to; a cell of the fine grid and transform, as long
+# as the cache holds the grid and beyond. Double precision costs more.
+_SPREAD_SECONDS = 0.3e-9
+_FFT_SECONDS = 10e-9
+_CACHED_CELLS = 3e6
+_UNCACHED = 4
+_DOUBLE = 1.5
+# The fine grid is 2 or 1.25 times finer than the frequencies ask for: the second has a quarter of
+# the cells, but spreads points wider, and reaches no smaller errors than this.
 _COARSE_ERROR = 1e-8
 _SAMPLE = 50_000  # points that planning looks at
 
@@ -121,8 +123,11 @@ def plan_tiles(
 
 
 def least_cost(count: int, error: float, pairs: int) -> float:
-    """Return core-seconds that no plan for ``count`` targets can undercut."""
-    return pairs * count * _point_seconds(error, 2.0)
+    """Return core-seconds that no plan for ``count`` targets can undercut.
+
+    Where neighbours are nearly as cheap as the points' part alone, the grids cost more than that.
+    """
+    return 2.5 * pairs * count * _point_seconds(error, 2.0)
 
 
 def _radius(error: float) -> float:
@@ -216,9 +221,22 @@ def _torus(
     return (low + high) / 2, period, modes
 
 
-def _refinement(modes: NDArray[np.int64], error: float) -> float:
-    big = float(np.prod(2.0 * modes)) > _FINE_CELLS
-    return 1.25 if big and error >= _COARSE_ERROR else 2.0
+def _refinement(modes: NDArray[np.int64], count: int, error: float) -> tuple[float, float]:
+    """Return how much finer the fine grid is best, and the core-seconds of a transform with it."""
+    best = (2.0, math.inf)
+    for refinement in (2.0, 1.25) if error > _COARSE_ERROR else (2.0,):
+        cells = float(np.prod(np.maximum(refinement * modes, 16.0)))
+        grid = 2 * cells * _FFT_SECONDS * (1 if cells < _CACHED_CELLS else _UNCACHED)
+        seconds = count * _point_seconds(error, refinement) + grid
+        if seconds < best[1]:
+            best = (refinement, seconds)
+    return best
+
+
+def _point_seconds(error: float, refinement: float) -> float:
+    digits = math.log10(1 / error)
+    across = digits + 2 if refinement == 2 else 1.64 * digits + 1  # nodes along an axis
+    return (across**3 + 200) * _SPREAD_SECONDS
 
 
 def _seconds(
@@ -230,17 +248,8 @@ def _seconds(
 ) -> float:
     """Return the core-seconds of a tile of so many targets and sources, given samples of them."""
     _, _, modes = _torus(targets, sources, error)
-    refinement = _refinement(modes, error)
-    cells = float(np.prod(np.maximum(refinement * modes, 16.0)))
-    spread = count * _point_seconds(error, refinement)
-    transform = 2 * cells * _FFT_SECONDS * (1 if cells < 2 * _FINE_CELLS else 8)
-    return pairs * (spread + transform) * (_DOUBLE if error < SINGLE_FLOOR else 1)
-
-
-def _point_seconds(error: float, refinement: float) -> float:
-    across = math.log10(1 / error) + 2  # nodes that finufft spreads a point to, along an axis
-    nodes = (across if refinement == 2 else 1.4 * across) ** 3
-    return (nodes + 150) * _SPREAD_SECONDS
+    _, seconds = _refinement(modes, count, error)
+    return pairs * seconds * (_DOUBLE if error < SINGLE_FLOOR else 1)
 
 
 def _tile_sums(
@@ -253,10 +262,11 @@ def _tile_sums(
     pairs = len(channels) // 2
     targets, sources = np.take(xyz, tile.targets, axis=1), np.take(xyz, tile.sources, axis=1)
     centre, period, modes = _torus(targets, sources, error)
+    refinement, _ = _refinement(modes, len(tile.targets) + len(tile.sources), error)
     # (The library warns where single precision gets close to its limit; SINGLE_FLOOR knows.)
     options = {
         "eps": max(error / 2, 2e-7 if single else 1e-14), "dtype": kind, "nthreads": 1,
-        "maxbatchsize": 1, "upsampfac": _refinement(modes, error), "showwarn": 0,
+        "maxbatchsize": 1, "upsampfac": refinement, "showwarn": 0,
     }  # fmt: skip
 
     def angles(points: NDArray[np.float64]) -> list[NDArray[Any]]:

@@ -10,6 +10,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import FIRST_COMPLETED, ThreadPoolExecutor, wait
+from itertools import pairwise
 from typing import Any
 
 from meshdepict.errors import MeshdepictError
@@ -22,7 +23,7 @@ _limit: int | None = None
 def limit(count: int | None) -> None:
     """Use at most ``count`` threads from now on, in kernels and in finufft; None: all cores."""
     global _limit
-    if count is not None and count < 1:
+    if count is not None and (isinstance(count, bool) or count < 1 or count != int(count)):
         raise MeshdepictError(f"threads={count} makes no sense: at least one is needed")
     _limit = count
 
@@ -70,4 +71,4 @@ def spans(count: int, pieces: int) -> list[tuple[int, int]]:
     """Cut ``range(count)`` into about ``pieces`` spans of equal length."""
     pieces = max(1, min(pieces, count))
     cuts = [count * i // pieces for i in range(pieces + 1)]
-    return list(zip(cuts[:-1], cuts[1:], strict=True))
+    return list(pairwise(cuts))

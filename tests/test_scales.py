@@ -1,3 +1,5 @@
+from itertools import pairwise
+
 import numpy as np
 import pytest
 from conftest import angle_between, rotation
@@ -186,7 +188,7 @@ def test_progress_ends_at_the_total(ball):
     calls = []
     scale_space(ball, scales=3, progress=lambda done, total: calls.append((done, total)))
     assert calls[-1] == (3, 3)
-    assert all(a <= b for (a, _), (b, _) in zip(calls, calls[1:], strict=False))
+    assert all(a <= b for (a, _), (b, _) in pairwise(calls))
 
 
 @pytest.mark.parametrize(
