@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-import hashlib
+import inspect
+import os
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -10,11 +11,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from meshdepict import color
+from meshdepict import color, color2d
 from meshdepict.errors import MeshdepictError
 from meshdepict.options import check, nearest
+from meshdepict.provenance import describe, was_baked
 from meshdepict.scales import ScaleSpace, scale_space
-from meshdepict.scene import View, as_light, as_view
+from meshdepict.scene import View, as_light, as_lighting, as_view
 
 if TYPE_CHECKING:
     from meshdepict.mesh import Mesh
@@ -59,8 +61,7 @@ class Baked:
     @property
     def comments(self) -> list[str]:
         """The provenance as lines for a file's header."""
-        rest = [f"meshdepict {key}: {text}" for key, text in self.provenance.items()]
-        return rest
+        return [f"meshdepict {key}: {text}" for key, text in self.provenance.items()]
 
     def save(self, path: str | Path) -> Path:
         """Write the shape with its colours; the suffix decides the format.
@@ -79,28 +80,27 @@ class Baked:
         return Path(path)
 
     def to_pyvista(self) -> Any:
-        """Return a ``pyvista.PolyData`` with point arrays "RGB" and "depict_<method>"."""
-        import pyvista as pv
+        """Return a ``pyvista.PolyData``: colours as "RGB", intensity as "depict_<method>".
 
-        mesh = self.shape
-        if mesh.polygons is None:
-            poly = pv.PolyData.from_regular_faces(mesh.vertices, mesh.faces)
-        else:
-            connectivity, offsets = mesh.polygons
-            poly = pv.PolyData(mesh.vertices)
-            poly.SetVerts(None)
-            poly.SetPolys(pv.CellArray.from_arrays(offsets, connectivity))
-        poly.point_data[f"depict_{self.provenance['method']}"] = self.intensity
-        poly.point_data["RGB"] = self.colors
+        Polygons and other arrays are the shape's; its own colours become "original_RGB".
+        """
+        from meshdepict.exchange import to_polydata
+        from meshdepict.io.document import Saving, recolored
+
+        attributes = recolored(
+            self.shape.attributes["vertex"], Saving(self.colors), ours=was_baked(self.shape)
+        )
+        attributes[f"depict_{self.provenance['method']}"] = self.intensity
+        poly = to_polydata(self.shape, attributes, self.comments)
+        poly.set_active_scalars("RGB", preference="point")
         return poly
 
     def to_trimesh(self) -> Any:
         """Return a ``trimesh.Trimesh`` with vertex colours, vertices in the same order."""
         import trimesh
 
-        return trimesh.Trimesh(
-            self.shape.vertices, self.shape.faces, vertex_colors=self.colors, process=False
-        )
+        vertices, faces = self.shape.vertices.copy(), self.shape.faces.copy()
+        return trimesh.Trimesh(vertices, faces, vertex_colors=self.colors, process=False)
 
     def show(self, **plotter: Any) -> Any:
         """Open a PyVista window with the colours as they are, in this bake's view.
@@ -131,6 +131,7 @@ def bake(
     facing: int = 1,
     tolerance: float = 1e-4,
     colormap: str | None = None,
+    colormap2d: str | None = None,
     albedo: str = "none",
     progress: Callable[[float, float], None] | None = None,
     **options: Any,
@@ -140,10 +141,12 @@ def bake(
     Parameters
     ----------
     shape : path, Mesh, ScaleSpace, pyvista.PolyData or trimesh.Trimesh
-        A `ScaleSpace` is used as it is: several bakes can share one.
+        A `ScaleSpace` is used as it is: several bakes can share one. What it was made with can't
+        be asked for again.
     method : str
         A name of `shading.METHODS`.
     light : str, (3,) array_like, (azimuth, elevation) or Light
+        For some methods also a sequence of these, or an Environment or its file (.hdr).
         Names and angles refer to the view.
     view : str or View
         "front", "top", …; fitted to the shape.
@@ -153,6 +156,9 @@ def bake(
         See `scale_space`; None takes what the method declares.
     colormap : str, optional
         Name of a 1D colour map of the result; grey unless given.
+    colormap2d : {"dusk", "earth", "swiss"}, optional
+        A map of two results: under the light, and under the light turned by 90° clockwise as the
+        view sees it (northwest and northeast).
     albedo : {"none", "keep"}
         "keep" multiplies the shape's own vertex colours, in linear light.
     progress : callable, optional
@@ -176,14 +182,20 @@ def bake(
     options = check(function, options, method)
     if colormap is not None:
         color.colormap(colormap)
+        if colormap2d is not None:
+            raise MeshdepictError("colormap and colormap2d exclude each other: give one of them")
+    if colormap2d is not None:
+        color2d.colormap2d(colormap2d)
     if albedo not in ("none", "keep"):
         raise MeshdepictError(f"albedo={albedo!r} is neither 'keep' nor 'none'")
     mesh = shape.shape if isinstance(shape, ScaleSpace) else as_mesh(shape)
     own = _own_colors(mesh) if albedo == "keep" else None
     eye = as_view(view, mesh, up=up)
-    lamp = as_light(light, eye)
+    lamp = as_lighting(light, eye) if colormap2d is None else as_light(light, eye)
     if isinstance(shape, ScaleSpace):
         space = shape
+        asked = {"scales": scales, "width": width, "ratio": ratio}
+        _refuse_other_scales(space, asked | {"facing": facing, "tolerance": tolerance})
     else:
         space = scale_space(
             mesh,
@@ -194,21 +206,30 @@ def bake(
             tolerance=tolerance,
             progress=progress,
         )
-    intensity = function(space, lamp, **options)
-    colors = color.encode(intensity, linear=declared.linear, colormap=colormap)
+    needed = {"view": eye} if "view" in inspect.signature(function).parameters else {}
+
+    def shade(lamp: Any) -> NDArray[np.float32]:
+        return function(space, lamp, **needed, **options)
+
+    linear = declared.linear
+    if colormap2d is None:
+        intensity = shade(lamp)
+    else:
+        intensity = color2d.both_lights(shade, lamp, eye, colormap2d, linear=linear)
+        linear = False
+    colors = color.encode(intensity, linear=linear, colormap=colormap)
     if own is not None:
         colors = color.multiply_albedo(colors / np.float32(255), own, linear=False)
-    provenance = {
-        "version": _version(),
-        "method": method,
-        "options": _options_text(function, options),
-        "scales": _scales_text(space, facing, tolerance),
-        "light": str(lamp),
-        "view": f"{eye.name or 'given'}, up {up}",
-        "colormap": colormap or "gray",
-        "albedo": albedo,
-        "mesh": f"{len(mesh.vertices)} vertices {len(mesh.faces)} triangles sha256 {digest(mesh)}",
-    }
+    provenance = describe(
+        function,
+        space,
+        options=options,
+        light=lamp,
+        view=view,
+        up=up,
+        colormap=colormap or colormap2d,
+        albedo=albedo,
+    )
     return Baked(mesh, intensity, colors, provenance, eye)
 
 
@@ -216,7 +237,7 @@ def find_method(name: str) -> Callable[..., Any]:
     """Return the shading function of a name; raise `MeshdepictError` naming the nearest."""
     from meshdepict.shading import METHODS
 
-    if name not in METHODS:
+    if not isinstance(name, str) or name not in METHODS:
         raise MeshdepictError(
             f"no method is called {name!r}{nearest(name, METHODS)} (there are {', '.join(METHODS)})"
         )
@@ -229,13 +250,13 @@ def as_mesh(shape: Any) -> Mesh:
 
     if isinstance(shape, Mesh):
         return shape
-    if isinstance(shape, (str, Path)):
+    if isinstance(shape, (str, os.PathLike)):
         from meshdepict.io import read_mesh
 
         return read_mesh(shape)
-    if hasattr(shape, "GetPolys"):
+    if hasattr(shape, "GetPolys") and hasattr(shape, "point_data"):
         return Mesh.from_pyvista(shape)
-    if hasattr(shape, "vertices") and hasattr(shape, "faces"):
+    if hasattr(shape, "faces") and hasattr(shape, "visual"):
         return Mesh.from_trimesh(shape)
     raise MeshdepictError(
         f"a {type(shape).__name__} is not a shape: give a path, a Mesh, a pyvista.PolyData or a "
@@ -243,19 +264,11 @@ def as_mesh(shape: Any) -> Mesh:
     )
 
 
-def digest(mesh: Mesh) -> str:
-    """Return the first 16 digits of the SHA-256 of vertices and triangles."""
-    sha = hashlib.sha256(np.ascontiguousarray(mesh.vertices))
-    sha.update(np.ascontiguousarray(mesh.faces))
-    return sha.hexdigest()[:16]
-
-
 def _own_colors(mesh: Mesh) -> NDArray[np.uint8]:
     """Return the mesh's own vertex colours; those a former bake set aside come first."""
-    from meshdepict.io.document import Document, as_bytes
+    from meshdepict.io.document import as_bytes
 
-    vertex = mesh.attributes["vertex"]
-    baked = isinstance(mesh.document, Document) and bool(mesh.document.provenance)
+    vertex, baked = mesh.attributes["vertex"], was_baked(mesh)
     candidates = [("original_red", "original_green", "original_blue")]
     if not baked:  # else red, green and blue are the former bake's
         candidates.append(("red", "green", "blue"))
@@ -268,28 +281,12 @@ def _own_colors(mesh: Mesh) -> NDArray[np.uint8]:
     )
 
 
-def _version() -> str:
-    from meshdepict import __version__
-
-    return str(__version__)
-
-
-def _options_text(function: Callable[..., Any], given: Mapping[str, Any]) -> str:
-    from meshdepict.options import options_of
-
-    known = options_of(function)
-    return " ".join(f"{name}={_short(given.get(name, o.default))}" for name, o in known.items())
-
-
-def _short(value: Any) -> str:
-    return f"{value:.9g}" if isinstance(value, float) else str(value)
-
-
-def _scales_text(space: ScaleSpace, facing: int, tolerance: float) -> str:
-    count = len(space.widths) - 1
-    if count == 0:
-        return "0"
-    return (
-        f"{count}, widths {space.widths[1]:.6g} to {space.widths[-1]:.6g}, ratio {space.ratio:.6g}, "
-        f"facing {facing}, tolerance {tolerance:g}"
-    )
+def _refuse_other_scales(space: ScaleSpace, asked: Mapping[str, Any]) -> None:
+    """Refuse to ask a finished scale space for what it wasn't made with."""
+    parameters = inspect.signature(bake).parameters
+    for name, value in asked.items():
+        if value not in (parameters[name].default, getattr(space, name, None)):
+            raise MeshdepictError(
+                f"{name}={value!r} comes too late: this ScaleSpace has been made; leave it out, or "
+                "bake the mesh"
+            )

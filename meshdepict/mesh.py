@@ -12,8 +12,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from meshdepict import triangles
 from meshdepict.errors import MeshdepictError, MeshdepictWarning
-from meshdepict.polygons import Polygons, as_polygons, triangulate
-from meshdepict.welding import normal_groups
+from meshdepict.mesh_input import check_indices, checked_attributes, checked_vertices, frozen
+from meshdepict.polygons import as_polygons, triangulate
+from meshdepict.welding import normal_groups, same_position
 
 if TYPE_CHECKING:
     from meshdepict.orientation import Orientation
@@ -55,22 +56,21 @@ class Mesh:
         winding: str = "auto",
         document: object = None,
     ) -> None:
-        self.vertices = _checked_vertices(vertices)
+        self.vertices = checked_vertices(vertices)
         polygons = as_polygons(faces)
         if len(polygons.connectivity) == 0:
             raise MeshdepictError(
-                f"the mesh has no faces ({len(self.vertices):,} vertices): shading needs a surface; "
-                "reconstruct one from the points first"
+                f"the mesh has no faces ({len(self.vertices):,} vertices): shading needs a "
+                "surface; reconstruct one from the points first"
             )
-        _check_indices(polygons, len(self.vertices))
+        check_indices(polygons, len(self.vertices))
         if winding not in ("auto", "keep"):
             raise MeshdepictError(f"winding={winding!r} is neither 'auto' nor 'keep'")
         self.faces, self._owner = triangulate(self.vertices, polygons)
         if len(self.faces) == 0:
             raise MeshdepictError("the mesh has no faces with three corners or more")
-        plain = len(polygons.connectivity) == 3 * (len(polygons.offsets) - 1) == self.faces.size
-        self.polygons = None if plain else polygons
-        self.attributes = _checked_attributes(
+        self.polygons = None if (np.diff(polygons.offsets) == 3).all() else polygons
+        self.attributes = checked_attributes(
             attributes or {}, vertex=len(self.vertices), face=len(polygons.offsets) - 1
         )
         self.winding = winding
@@ -80,29 +80,46 @@ class Mesh:
 
     @classmethod
     def from_pyvista(cls, poly: Any, *, winding: str = "auto") -> Mesh:
-        """Take the surface and the point and cell arrays of a PyVista ``PolyData``."""
-        if not hasattr(poly, "regular_faces") or not hasattr(poly, "irregular_faces"):
-            raise MeshdepictError(f"expected a pyvista.PolyData, got {type(poly).__name__}")
-        if getattr(poly, "n_strips", 0):
-            poly = poly.triangulate()
-        offset = np.array(poly.GetPolys().GetNumberOfCells() and poly._offset_array_view())
-        return cls(poly.points, Polygons(np.array(poly._connectivity_array_view()), offset))
+        """Take the polygons and strips of a ``pyvista.PolyData`` with its point and cell arrays.
+
+        Strips become triangles; lines and single vertices are left out. The 8-bit colours "RGB"
+        or "RGBA" become the vertex attributes red, green, blue and alpha.
+
+        Raises
+        ------
+        MeshdepictError
+            For anything but a ``PolyData``, and as `Mesh`.
+        """
+        from meshdepict.exchange import polydata_contents
+
+        return cls._of(polydata_contents(poly), winding)
 
     @classmethod
     def from_trimesh(cls, tm: Any, *, winding: str = "auto") -> Mesh:
-        """Take vertices, faces and vertex colours of a ``trimesh.Trimesh``."""
-        if not hasattr(tm, "vertices") or not hasattr(tm, "faces"):
-            raise MeshdepictError(f"expected a trimesh.Trimesh, got {type(tm).__name__}")
-        vertex: dict[str, Any] = {k: np.array(v) for k, v in tm.vertex_attributes.items()}
-        if getattr(tm.visual, "kind", None) == "vertex":
-            colors = np.asarray(tm.visual.vertex_colors)
-            vertex |= {"red": colors[:, 0], "green": colors[:, 1], "blue": colors[:, 2]}
-        return cls(tm.vertices, tm.faces, attributes={"vertex": vertex}, winding=winding)
+        """Take the faces of a ``trimesh.Trimesh`` with its colours and attributes.
+
+        Colours become the vertex or face attributes red, green, blue and, where any is
+        transparent, alpha.
+
+        Raises
+        ------
+        MeshdepictError
+            For anything but a ``Trimesh``, and as `Mesh`.
+        """
+        from meshdepict.exchange import trimesh_contents
+
+        return cls._of(trimesh_contents(tm), winding)
+
+    @classmethod
+    def _of(cls, contents: Any, winding: str) -> Mesh:
+        vertices, faces, attributes, document = contents
+        return cls(vertices, faces, attributes=attributes, winding=winding, document=document)
 
     def __repr__(self) -> str:
         """Return counts and size."""
-        count = len(self.faces) if self.polygons is None else len(self.polygons.offsets) - 1
-        return f"<Mesh: {len(self.vertices):,} vertices, {count:,} faces, diagonal {self.diagonal:.4g}>"
+        faces = len(self.faces) if self.polygons is None else len(self.polygons.offsets) - 1
+        size = f"diagonal {self.diagonal:.4g}"
+        return f"<Mesh: {len(self.vertices):,} vertices, {faces:,} faces, {size}>"
 
     # --- size -------------------------------------------------------------------------------
 
@@ -127,7 +144,7 @@ class Mesh:
         """
         points = self.vertices - self._centre
         points /= self.diagonal or 1.0
-        return _frozen(points)
+        return frozen(points)
 
     @cached_property
     def edge_length(self) -> float:
@@ -155,7 +172,7 @@ class Mesh:
         flipped = self.orientation.flipped
         if not flipped.any():
             return self.faces
-        return _frozen(np.where(flipped[:, None], self.faces[:, ::-1], self.faces))
+        return frozen(np.where(flipped[:, None], self.faces[:, ::-1], self.faces))
 
     def rewound(self) -> Mesh:
         """Return the mesh with its faces themselves turned outwards; itself where they are.
@@ -205,91 +222,39 @@ class Mesh:
         scale = np.abs(sums).max(axis=1, keepdims=True)
         sums /= np.where(scale > 0, scale, 1.0)  # before squaring: a needle's weights overflow
         length = np.linalg.norm(sums, axis=1, keepdims=True)
-        return _frozen(np.where(length > 0, sums / np.where(length > 0, length, 1.0), (0.0, 0.0, 1.0)))
+        return frozen(
+            np.where(length > 0, sums / np.where(length > 0, length, 1.0), (0.0, 0.0, 1.0))
+        )
 
     @cached_property
     def areas(self) -> Floats:
         """(n,) mixed Voronoi areas after Meyer et al. 2002, in squared world units."""
-        return _frozen(self._unit_areas * self.diagonal**2)
+        return frozen(self._unit_areas * self.diagonal**2)
 
     @cached_property
     def _unit_areas(self) -> Floats:
         areas = triangles.mixed_voronoi_areas(self._unit_points, self.faces)
-        return _frozen(self._shared(areas, mean=True))
+        return frozen(self._shared(areas, mean=True))
 
     @cached_property
     def _groups(self) -> NDArray[np.int64] | None:
-        """For each vertex the group it shares normal and curvature with; None: all alone."""
-        sums = triangles.normal_sums(self._unit_points, self._outward_faces)
-        return normal_groups(self.vertices, sums)
+        """For each vertex the group it shares normal and curvature with; None: all alone.
+
+        Groups are numbered from 0 without gaps.
+        """
+        position = same_position(self.vertices)
+        if position is None:
+            return None
+        return normal_groups(
+            position, triangles.normal_sums(self._unit_points, self._outward_faces)
+        )
 
     def _shared(self, values: Floats, *, mean: bool = False) -> Floats:
         """Sum (or average) per-vertex values over the vertices at one position."""
         group = self._groups
         if group is None:
             return values
-        columns = values.reshape(len(values), -1)
-        total = np.stack([np.bincount(group, column) for column in columns.T], axis=1)
-        if mean:
-            total /= np.bincount(group)[:, None]
-        return total[group].reshape(values.shape)
-
-
-def _frozen(array: NDArray[Any]) -> NDArray[Any]:
-    array.setflags(write=False)
-    return array
-
-
-def _checked_vertices(vertices: ArrayLike) -> Floats:
-    try:
-        array = np.array(vertices, dtype=np.float64, order="C")
-    except (TypeError, ValueError):
-        raise MeshdepictError("vertices must be an (n, 3) array of numbers") from None
-    if array.ndim != 2 or array.shape[1] != 3:
-        raise MeshdepictError(f"vertices must have shape (n, 3), not {array.shape}")
-    if len(array) == 0:
-        raise MeshdepictError("the mesh is empty: it has no vertices")
-    bad = ~np.isfinite(array).all(axis=1)
-    if bad.any():
-        first = int(np.argmax(bad))
-        raise MeshdepictError(
-            f"{int(bad.sum()):,} of {len(array):,} vertices are NaN or infinite "
-            f"(the first is vertex {first}: {', '.join(f'{x:g}' for x in array[first])}); "
-            "remove or repair them first"
-        )
-    if np.abs(array).max() > 1e150:
-        raise MeshdepictError("vertices beyond 1e150 leave no room for computing; rescale the mesh")
-    return array
-
-
-def _check_indices(polygons: Polygons, count: int) -> None:
-    corners = polygons.connectivity
-    bad = (corners < 0) | (corners >= count)
-    if bad.any():
-        first = int(np.argmax(bad))
-        face = int(np.searchsorted(polygons.offsets, first, side="right")) - 1
-        raise MeshdepictError(
-            f"face {face} refers to vertex {int(corners[first])}, but the mesh has {count:,} "
-            f"vertices, numbered from 0 ({int(bad.sum()):,} such corners)"
-        )
-
-
-def _checked_attributes(
-    given: Mapping[str, Mapping[str, Any]], **counts: int
-) -> dict[str, dict[str, NDArray[Any]]]:
-    unknown = set(given) - set(counts)
-    if unknown:
-        raise MeshdepictError(
-            f"attributes belong to 'vertex' or 'face', not {sorted(unknown)[0]!r}"
-        )
-    checked: dict[str, dict[str, NDArray[Any]]] = {"vertex": {}, "face": {}}
-    for element, arrays in given.items():
-        for name, values in arrays.items():
-            array = np.array(values)
-            if array.shape[:1] != (counts[element],):
-                raise MeshdepictError(
-                    f"{element} attribute {name!r} has shape {array.shape}, expected "
-                    f"{counts[element]:,} rows"
-                )
-            checked[element][name] = _frozen(array)
-    return checked
+        columns = values.reshape(len(values), -1).T
+        total: Floats = np.stack([np.bincount(group, column) for column in columns], axis=1)
+        count = np.bincount(group)[:, None] if mean else 1
+        return (total / count)[group].reshape(values.shape)

@@ -3,7 +3,7 @@
 Shading functions annotate their keyword-only options with these::
 
     def exaggerated(space, light, *,
-                    exaggeration: Annotated[float, Range(0, help="steepness of the soft toon")] = 20):
+                    exaggeration: Annotated[float, Range(0, help="steepness")] = 15):
 
 and the command line, ``meshdepict methods``, the viewer's sliders and the docs read them back.
 """
@@ -11,8 +11,10 @@ and the command line, ``meshdepict methods``, the viewer's sliders and the docs 
 from __future__ import annotations
 
 import difflib
+import functools
 import inspect
 import math
+import types
 import typing
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
@@ -20,7 +22,7 @@ from typing import Any
 
 from meshdepict.errors import MeshdepictError
 
-__all__ = ["Choice", "Option", "Range", "check", "nearest", "options_of", "parse"]
+__all__ = ["Choice", "Option", "Range", "as_text", "check", "nearest", "options_of", "parse"]
 
 
 @dataclass(frozen=True)
@@ -48,10 +50,11 @@ class Range:
 
 @dataclass(frozen=True)
 class Choice:
-    """One of a few words."""
+    """One of a few words; in Python also an object of one of the types `also`."""
 
     names: tuple[str, ...]
     help: str = ""
+    also: tuple[type, ...] = ()
 
     def __str__(self) -> str:
         """Return the words, separated by bars."""
@@ -60,12 +63,18 @@ class Choice:
 
 @dataclass(frozen=True)
 class Option:
-    """One option of a function: its name, type, default and what it accepts."""
+    """One option of a function: its name, type, default and what it accepts.
+
+    An option annotated ``tuple[float, float, float]`` takes three numbers, ``float | tuple[float,
+    ...]`` one or several, as a sequence or as a text such as ``"0.9,0.6"``; ``| None`` lets it be
+    left out. ``count`` is how many numbers: 1, a fixed number, or 0 for any.
+    """
 
     name: str
     kind: type
     default: Any
     accepts: Range | Choice
+    count: int = 1
 
     @property
     def help(self) -> str:
@@ -73,17 +82,35 @@ class Option:
         return self.accepts.help
 
 
-def options_of(function: Callable[..., Any]) -> dict[str, Option]:
-    """Return the annotated keyword-only options of a function, in order."""
+@functools.cache  # a quarter of a millisecond, and every shading asks
+def options_of(function: Callable[..., Any]) -> Mapping[str, Option]:
+    """Return the parameters of a function that are annotated with what they accept, in order."""
     hints = typing.get_type_hints(function, include_extras=True)
     found = {}
     for name, parameter in inspect.signature(function).parameters.items():
         hint = hints.get(name)
         for accepts in typing.get_args(hint)[1:]:
             if isinstance(accepts, (Range, Choice)):
-                kind = typing.get_args(hint)[0]
-                found[name] = Option(name, kind, parameter.default, accepts)
-    return found
+                kind, count = _kind_and_count(typing.get_args(hint)[0])
+                found[name] = Option(name, kind, parameter.default, accepts, count)
+    return types.MappingProxyType(found)
+
+
+def _kind_and_count(hint: Any) -> tuple[type, int]:
+    """Return the type of an option's numbers and how many it takes (0: any number of them)."""
+    parts = typing.get_args(hint) if isinstance(hint, types.UnionType) else (hint,)
+    for part in parts:
+        if typing.get_origin(part) is tuple:
+            kinds = typing.get_args(part)
+            return kinds[0], 0 if kinds[-1] is Ellipsis else len(kinds)
+    return parts[0], 1
+
+
+def as_text(value: Any) -> str:
+    """Return an option's value as ``--set`` takes it: ``"0.9,0.6"`` for several numbers."""
+    if isinstance(value, tuple):
+        return ",".join(map(as_text, value))
+    return f"{value:.9g}" if isinstance(value, float) else str(value)
 
 
 def nearest(word: str, known: Iterable[str]) -> str:
@@ -119,20 +146,50 @@ def parse(option: Option, text: str, where: str) -> Any:
 
 def _checked(option: Option, value: Any, where: str) -> Any:
     accepts, name = option.accepts, option.name
+    if value is None and option.default is None:
+        return None
     if isinstance(accepts, Choice):
-        if value not in accepts.names:
+        if isinstance(value, accepts.also):
+            return value
+        if not isinstance(value, str) or value not in accepts.names:
             raise MeshdepictError(
                 f"{where}: {name}={value!r} is not one of {accepts}{nearest(value, accepts.names)}"
             )
         return value
+    if option.count != 1:
+        return _several(option, value, where)
+    return _number(option, value, where)
+
+
+def _several(option: Option, value: Any, where: str) -> Any:
+    """Return one number as such where any count will do, else a tuple of checked numbers."""
+    if isinstance(value, str):
+        value = value.split(",") if "," in value else value
+    elif hasattr(value, "tolist"):  # of NumPy
+        value = value.tolist()
+    single = isinstance(value, (str, bool)) or not isinstance(value, Iterable)
+    if single and option.count == 0:
+        return _number(option, value, where)
+    values = () if single else tuple(value)
+    if not values or option.count not in (0, len(values)):
+        wanted = f"{option.count} numbers" if option.count else "one number or several"
+        raise MeshdepictError(
+            f"{where}: {option.name}={value!r} is not {wanted} separated by commas"
+        )
+    return tuple(_number(option, item, where) for item in values)
+
+
+def _number(option: Option, value: Any, where: str) -> Any:
+    accepts, name = option.accepts, option.name
+    assert isinstance(accepts, Range)
     wanted = f"{where}: {name}={value!r} is not a number in its range ({accepts})"
     if isinstance(value, bool):
         raise MeshdepictError(wanted)
     try:
         number = float(value)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise MeshdepictError(wanted) from None
-    if not accepts.low <= number <= accepts.high:  # also refuses NaN
+    if not (math.isfinite(number) and accepts.low <= number <= accepts.high):
         raise MeshdepictError(wanted)
     if option.kind is int:
         if number != int(number):

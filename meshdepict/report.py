@@ -29,7 +29,7 @@ def methods() -> str:
 def method(name: str) -> str:
     """Return what there is to know about one method: its paper, its scales, its options."""
     from meshdepict.baking import find_method
-    from meshdepict.options import options_of
+    from meshdepict.options import as_text, options_of
     from meshdepict.shading import declaration
 
     function = find_method(name)
@@ -41,8 +41,7 @@ def method(name: str) -> str:
     facts = [("paper", declared.source), ("uses", scales), ("values", values)]
     options = [("--set", "default", "range", "")]
     for option in options_of(function).values():
-        value = option.default
-        default = f"{value:g}" if isinstance(value, float) else str(value)
+        default = "none" if option.default is None else as_text(option.default)
         options.append((option.name, default, str(option.accepts), option.help))
     if len(options) == 1:
         options = [("--set", "no options", "", "")]

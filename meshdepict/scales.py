@@ -7,26 +7,22 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from meshdepict.errors import MeshdepictError
+from meshdepict.smoothing import NormalSums
 
 if TYPE_CHECKING:
+    from meshdepict.curvature import PrincipalCurvatures, ViewCurvature
     from meshdepict.mesh import Mesh
+    from meshdepict.scene import View
 
 __all__ = ["ScaleSpace", "resolve_width", "scale_space", "smooth_normals"]
 
 Progress = Callable[[float, float], None]
-
-# An angle is as accurate as the sums are small against the resultant ‖m‖: METHODS' rule says that
-# below this share of the mass the tolerance no longer binds …
-_LEAST_RESULTANT = 1e-3
-# … and that below this one the direction is meaningless and the next finer normal is kept.
-_NO_RESULTANT = 1e-6
 
 
 class ScaleSpace:
@@ -46,6 +42,8 @@ class ScaleSpace:
         Gaussian widths in world units; ``widths[0]`` is 0, the shape's own normals.
     normals : (scales + 1, n, 3) array of float32
         Unit normals, fine to coarse.
+    facing, tolerance
+        What the sums were made with; see `scale_space`.
     """
 
     def __init__(
@@ -55,29 +53,90 @@ class ScaleSpace:
         widths: NDArray[np.float64],
         ratio: float,
         planes: NDArray[np.float32],
+        *,
+        facing: int = 1,
+        tolerance: float = 1e-4,
     ) -> None:
         self.shape = shape
         self.points = points
         self.widths = widths
         self.ratio = ratio
+        self.facing = facing
+        self.tolerance = tolerance
         # Stored as (scale, axis, sample), so that kernels read each component in one sweep.
         self._planes = planes
         self._planes.setflags(write=False)
+        self._curvatures: dict[int, PrincipalCurvatures] = {}
+        self._creases: dict[int, NDArray[np.float32]] = {}
+        self._openness: dict[int, NDArray[np.float32]] = {}
 
     @property
     def normals(self) -> NDArray[np.float32]:
         """Unit normals (scales + 1, n, 3), a read-only view."""
         return np.moveaxis(self._planes, 1, 2)
 
-    @cached_property
-    def turns(self) -> NDArray[np.float32]:
-        """(scales, n) cosines n_i·n_{i+1} between the normals of consecutive scales."""
-        return np.einsum("sax,sax->sx", self._planes[:-1], self._planes[1:])
-
     @property
     def finest_width(self) -> float:
         """σ_0 = σ_1 / ratio: what formulas that need a width for the unsmoothed scale take."""
         return float(self.widths[1]) / self.ratio if len(self.widths) > 1 else 0.0
+
+    def curvature(self, scale: int = 0) -> PrincipalCurvatures:
+        """Return the principal curvatures of a scale: how its normals turn; computed once.
+
+        Raises
+        ------
+        MeshdepictError
+            For a scale that isn't there.
+        """
+        from meshdepict.curvature import principal_curvatures
+
+        scale = self._checked_scale(scale)
+        if scale not in self._curvatures:
+            self._curvatures[scale] = principal_curvatures(self.shape, normals=self.normals[scale])
+        return self._curvatures[scale]
+
+    def view_curvature(
+        self, view: View | str, scale: int = 1, *, foreshortening: float = 1.0
+    ) -> ViewCurvature:
+        """Return the curvature of a scale as an eye sees it; see `curvature.view_curvature`."""
+        from meshdepict.curvature.creases import neighbour_cosines
+        from meshdepict.curvature.view import view_tensor
+        from meshdepict.scene import as_view
+
+        scale = self._checked_scale(scale)
+        normals = self.normals[scale]
+        if scale not in self._creases:
+            self._creases[scale] = neighbour_cosines(self.shape, normals)
+        return view_tensor(
+            self.points, normals, self.curvature(scale), self._creases[scale],
+            as_view(view, self.shape), foreshortening=foreshortening,
+        )  # fmt: skip
+
+    def _checked_scale(self, scale: int) -> int:
+        last = len(self.widths) - 1
+        if isinstance(scale, bool) or scale not in range(last + 1):
+            raise MeshdepictError(
+                f"scale={scale!r} is not one of the scale space's, 0 to {last}; make more with "
+                "scales=…"
+            )
+        return int(scale)
+
+    def occlusion(self, rays: int = 256) -> NDArray[np.float32]:
+        """Return the share of the light from all around that reaches each sample; computed once.
+
+        (n,) in [0, 1], 1 where nothing is in the way; `occlusion.ambient_openness` says more.
+
+        Raises
+        ------
+        MeshdepictError
+            For a number of rays beyond 2 … 65536.
+        """
+        from meshdepict.occlusion import ambient_openness
+
+        if rays not in self._openness:
+            self._openness[rays] = ambient_openness(self.shape, rays=rays).values
+            self._openness[rays].setflags(write=False)
+        return self._openness[rays]
 
     def __repr__(self) -> str:
         """Return the number of samples and the range of widths."""
@@ -136,13 +195,15 @@ def scale_space(
         raise MeshdepictError(f"{scales} scales of ratio {ratio:g} grow beyond all numbers")
     planes = np.empty((scales + 1, 3, len(shape.vertices)), np.float32)
     planes[0] = shape.normals.T
-    sums = _NormalSums(shape, facing, tolerance) if scales else None
+    sums = NormalSums(shape, facing, tolerance) if scales else None
     reference = shape.normals.T
     for scale in range(1, scales + 1):
         assert sums is not None
         reference = sums.direction(widths[scale], reference, _reporter(progress, scale, scales))
         planes[scale] = reference
-    return ScaleSpace(shape, shape.vertices, widths, float(ratio), planes)
+    return ScaleSpace(
+        shape, shape.vertices, widths, float(ratio), planes, facing=facing, tolerance=tolerance
+    )
 
 
 def smooth_normals(
@@ -182,70 +243,6 @@ def resolve_width(width: float | str | None, shape: Mesh) -> float:
             "(of the diagonal)"
         )
     return resolved
-
-
-class _NormalSums:
-    """Area-weighted Gaussian sums of a mesh's normals, and the directions they point in."""
-
-    def __init__(self, mesh: Mesh, facing: int, tolerance: float) -> None:
-        self.points = mesh._unit_points
-        self.unit = mesh.diagonal or 1.0
-        self.facing = facing
-        self.tolerance = tolerance
-        areas = mesh._unit_areas / (mesh._unit_areas.max() or 1.0)
-        n = mesh.normals.T
-        mass = [areas]
-        first = list(areas * n)
-        # F is linear in r·n_j: facing needs the second moments Σ A G n nᵀ and nothing else.
-        second = [areas * n[a] * n[b] for a, b in _SYMMETRIC] if facing else []
-        self.channels = np.array(mass + first + second)
-
-    def direction(
-        self, width: float, reference: NDArray[Any], done: Callable[[float], None] | None
-    ) -> NDArray[np.float64]:
-        """Return the (3, n) unit normals at one width; ``reference`` are the next finer ones."""
-        from meshdepict.gaussian import gaussian_sums
-
-        # A first pass for resultants that are a fair share of the mass …
-        error = self.tolerance / 4
-        # Narrower than any two distinct positions can be apart, a Gaussian is a single point.
-        scaled = max(width / self.unit, 1e-18)
-        sums = gaussian_sums(self.points, self.channels, scaled, error=error, done=done)
-        vector, mass = self._resultant(sums, reference)
-        length = np.linalg.norm(vector, axis=0)
-        # … and a second for those that cancel: there the sums must be that much finer.
-        some = mass > 0  # nowhere else is there a direction, or an error
-        share = np.maximum(length, _LEAST_RESULTANT * mass) / np.where(some, mass, 1.0)
-        weak = some & (error > self.tolerance * share)
-        if weak.any():
-            finer = float(self.tolerance * share[weak].min())
-            again = gaussian_sums(
-                self.points, self.channels, scaled,
-                error=finer, targets=weak, heaviest=float(sums[0].max()),
-            )  # fmt: skip
-            vector = vector.astype(np.float64)
-            v, mass[weak] = self._resultant(again[:, weak], reference[:, weak])
-            vector[:, weak] = v
-            length = np.linalg.norm(vector, axis=0)
-        firm = length > _NO_RESULTANT * mass
-        return np.where(firm, vector / np.where(firm, length, 1.0), reference)
-
-    def _resultant(
-        self, sums: NDArray[Any], reference: NDArray[Any]
-    ) -> tuple[NDArray[Any], NDArray[Any]]:
-        """Return m = Σ A F G n (3, n) and its mass Σ A F G (n,)."""
-        mass, m1 = sums[0], sums[1:4]
-        if not self.facing:
-            return m1.copy(), mass.copy()
-        vector = m1.copy()
-        for row, (a, b) in zip(sums[4:], _SYMMETRIC, strict=True):
-            vector[a] += row * reference[b]
-            if a != b:
-                vector[b] += row * reference[a]
-        return vector / 2, (mass + np.einsum("ij,ij->j", m1, reference)) / 2
-
-
-_SYMMETRIC = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
 
 
 def _check(scales: int, ratio: float, facing: int, tolerance: float) -> None:

@@ -87,7 +87,9 @@ def edge_lengths(points: Floats, faces: Ints) -> Floats:
     lengths = np.empty(len(unique))
     for start in range(0, len(unique), _BLOCK):
         part = unique[start : start + _BLOCK]
-        lengths[start : start + _BLOCK] = np.linalg.norm(points[part // n] - points[part % n], axis=1)
+        lengths[start : start + _BLOCK] = np.linalg.norm(
+            points[part // n] - points[part % n], axis=1
+        )
     return lengths
 
 

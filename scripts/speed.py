@@ -58,11 +58,18 @@ def scale_spaces(meshes: dict[str, md.Mesh]) -> None:
     head("scale space, 9 scales, facing 1, tolerance 1e-4", "vertices", "seconds", "aim")
     for (name, mesh), aim in zip(meshes.items(), ("0.8", "1.6"), strict=False):
         md.scale_space(mesh, scales=9)
-        row(name, f"{len(mesh.vertices):,}", f"{best(lambda m=mesh: md.scale_space(m), 7):.2f}", aim)
+        row(
+            name, f"{len(mesh.vertices):,}", f"{best(lambda m=mesh: md.scale_space(m), 7):.2f}", aim
+        )
 
 
 def trade(mesh: md.Mesh) -> None:
-    head("tolerance, radians", "seconds, facing 1", "seconds, facing 0", "largest error met, facing 1")
+    head(
+        "tolerance, radians",
+        "seconds, facing 1",
+        "seconds, facing 0",
+        "largest error met, facing 1",
+    )
     exact = md.scale_space(mesh, tolerance=1e-7).normals.astype(float)
     for tolerance in (1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7):
         seconds = [
@@ -113,8 +120,16 @@ def processes(bunny: Path, folder: Path) -> None:
     row("import meshdepict, beyond Python itself", f"{loaded - empty:.3f}", "0.15")
     with tempfile.TemporaryDirectory() as cache:
         bake = ("-m", "meshdepict", "bake", str(bunny), "--force")
-        row("meshdepict bake bunny, very first run", f"{best(lambda: run(*bake, cache=cache), 1):.1f}", "20")
-        row("meshdepict bake bunny, caches warm", f"{best(lambda: run(*bake, cache=cache), 5):.1f}", "3")
+        row(
+            "meshdepict bake bunny, very first run",
+            f"{best(lambda: run(*bake, cache=cache), 1):.1f}",
+            "20",
+        )
+        row(
+            "meshdepict bake bunny, caches warm",
+            f"{best(lambda: run(*bake, cache=cache), 5):.1f}",
+            "3",
+        )
 
 
 def large(path: Path) -> None:

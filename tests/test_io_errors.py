@@ -270,7 +270,16 @@ def test_wrong_colors(tmp_path, mesh, colors):
         write_mesh(tmp_path / "mesh.ply", mesh, colors=colors)
 
 
-@pytest.mark.parametrize("comment", ["made by me", "meshdepict 1\nelement face 3", "meshdepict\t"])
+@pytest.mark.parametrize(
+    "comment",
+    [
+        "made by me",
+        "meshdepict 1\nelement face 3",
+        "meshdepict 1\r",
+        "meshdepict\t",
+        "Meshdepict 1",
+    ],
+)
 def test_wrong_comments(tmp_path, mesh, comment):
     with pytest.raises(MeshdepictError, match="is not one line that begins with 'meshdepict '"):
         write_mesh(tmp_path / "mesh.ply", mesh, comments=[comment])

@@ -14,6 +14,7 @@ import pytest
 from meshdepict import read as lazy_read
 from meshdepict.errors import MeshdepictError, MeshdepictWarning
 from meshdepict.io import read, read_mesh, read_provenance, write_mesh
+from meshdepict.io.document import as_bytes
 from meshdepict.io.source import FORMATS, WRITABLE
 from meshdepict.mesh import Mesh
 from meshdepict.polygons import as_polygons
@@ -142,6 +143,41 @@ def test_the_original_colours_outlive_several_bakes(tmp_path):
         np.testing.assert_array_equal(colors_of(mesh, "original_"), random_colors(plain))
     write_mesh(path, mesh, colors=random_colors(plain, 3), comments=OURS, keep_colors=False)
     assert set(read_mesh(path).attributes["vertex"]) == {"red", "green", "blue"}
+
+
+@pytest.mark.parametrize("suffix", WRITABLE)
+def test_names_of_files_that_are_no_text(tmp_path, suffix):
+    """A path may hold any byte, and characters that don't print."""
+    mesh, path = small_mesh(), tmp_path / f"mesh{suffix}"
+    write_mesh(path, mesh, comments=["meshdepict file=a\u00a0\udcff.ply"])
+    assert read_provenance(path) == ["meshdepict file=a\u00a0\\udcff.ply"]
+
+
+@pytest.mark.parametrize("suffix", ONE_COLOR)
+def test_original_colours_that_are_lost_are_warned_of(tmp_path, suffix):
+    plain = small_mesh()
+    own = dict(zip(("red", "green", "blue"), random_colors(plain).T, strict=True))
+    mesh = Mesh(plain.vertices, plain.polygons, attributes={"vertex": own}, winding="keep")
+    write_mesh(tmp_path / "mesh.ply", mesh, colors=random_colors(mesh, 2), comments=OURS)
+    baked = read_mesh(tmp_path / "mesh.ply")
+    with pytest.warns(MeshdepictWarning, match="the mesh's own colours are lost"):
+        write_mesh(tmp_path / f"mesh{suffix}", baked, colors=random_colors(mesh, 3))
+
+
+def test_colours_of_all_types_as_bytes():
+    for values, expected in (
+        (np.array([0, 0.5, 1, np.nan]), [0, 128, 255, 0]),
+        (np.array([0, 0.5, 1], np.float16), [0, 128, 255]),
+        (np.array([0.0, 127.6, 255, np.inf, -np.inf]), [0, 128, 255, 255, 0]),
+        (np.array([np.nan, np.nan]), [0, 0]),
+        (np.array([0, 128, 255]), [0, 128, 255]),
+        (np.array([0, 128 * 257, 65535], np.uint16), [0, 128, 255]),
+        (np.array([-5, 7]), [0, 7]),
+        (np.array([]), []),
+    ):
+        found = as_bytes(values)
+        assert found.tolist() == expected
+        assert found.dtype == np.uint8
 
 
 @pytest.mark.parametrize("suffix", WRITABLE)

@@ -178,7 +178,7 @@ def test_a_cavity_stays_a_cavity():
 
 
 def test_no_scales_compute_no_sums(ball, monkeypatch):
-    monkeypatch.setattr(scales_module, "_NormalSums", None)
+    monkeypatch.setattr(scales_module, "NormalSums", None)
     space = scale_space(ball, scales=0)
     assert space.normals.shape == (1, len(ball.vertices), 3)
     assert list(space.widths) == [0]

@@ -23,7 +23,12 @@ def test_normals_are_exact_on_an_irregular_sphere(rng):
     points /= np.linalg.norm(points, axis=1, keepdims=True)
     faces = ConvexHull(points).simplices
     corners = points[faces]
-    inward = np.einsum("ij,ij->i", np.cross(*(corners[:, 1:] - corners[:, :1]).swapaxes(0, 1)), corners[:, 0]) < 0
+    inward = (
+        np.einsum(
+            "ij,ij->i", np.cross(*(corners[:, 1:] - corners[:, :1]).swapaxes(0, 1)), corners[:, 0]
+        )
+        < 0
+    )
     faces[inward] = faces[inward, ::-1]
     sums = triangles.normal_sums(points, faces)
     unit = sums / np.linalg.norm(sums, axis=1, keepdims=True)
@@ -104,8 +109,15 @@ def test_blocks_change_nothing(monkeypatch, ball):
     whole = triangles.normal_sums(ball.vertices, ball.faces)
     areas = triangles.mixed_voronoi_areas(ball.vertices, ball.faces)
     monkeypatch.setattr(triangles, "_BLOCK", 1000)
-    np.testing.assert_allclose(triangles.normal_sums(ball.vertices, ball.faces), whole, rtol=1e-12, atol=1e-9 * np.abs(whole).max())
-    np.testing.assert_allclose(triangles.mixed_voronoi_areas(ball.vertices, ball.faces), areas, rtol=1e-12)
+    np.testing.assert_allclose(
+        triangles.normal_sums(ball.vertices, ball.faces),
+        whole,
+        rtol=1e-12,
+        atol=1e-9 * np.abs(whole).max(),
+    )
+    np.testing.assert_allclose(
+        triangles.mixed_voronoi_areas(ball.vertices, ball.faces), areas, rtol=1e-12
+    )
 
 
 def test_turning_turns_the_normals(rng):

@@ -162,8 +162,9 @@ def _checked_colors(colors: ArrayLike | None, mesh: Mesh) -> NDArray[np.uint8] |
 
 
 def _checked_comments(comments: Iterable[str]) -> tuple[str, ...]:
-    lines = tuple(comments)
+    # Names of files may hold bytes that are no text: they are spelled out.
+    lines = tuple(line.encode(errors="backslashreplace").decode() for line in comments)
     for line in lines:
-        if not line.startswith(MARK) or not line.isprintable():
+        if not line.startswith(MARK) or line.splitlines() != [line]:
             raise MeshdepictError(f"the comment {line!r} is not one line that begins with {MARK!r}")
     return lines

@@ -99,12 +99,16 @@ def recolored(attributes: Mapping[str, Any], saving: Saving, *, ours: bool) -> d
 
 
 def as_bytes(values: NDArray[Any]) -> NDArray[np.uint8]:
-    """Return colours of any type as 8 bit: floats up to 1 as fractions, others up to 255."""
+    """Return colours of any type as 8 bit: floats up to 1 as fractions, others up to 255.
+
+    NaN counts as black.
+    """
     if values.dtype.kind in "iu":
         widest = 257 if values.size and values.max() > 255 else 1  # 16 bit
         return np.clip(values // widest, 0, 255).astype(np.uint8)
-    scale = 1.0 if values.size and np.nanmax(values) > 1 else 255.0
-    return np.clip(np.nan_to_num(values * scale) + 0.5, 0, 255).astype(np.uint8)
+    finite = np.nan_to_num(values, posinf=255, neginf=0)
+    scale = 1.0 if finite.size and finite.max() > 1 else 255.0
+    return np.clip(finite * scale + 0.5, 0, 255).astype(np.uint8)
 
 
 def only_colors(mesh: Mesh, saving: Saving, name: str) -> NDArray[np.uint8] | None:
@@ -115,8 +119,9 @@ def only_colors(mesh: Mesh, saving: Saving, name: str) -> NDArray[np.uint8] | No
     attributes = mesh.attributes["vertex"]
     own = all(channel in attributes for channel in COLOR)
     if saving.colors is not None:
-        ours = isinstance(mesh.document, Document) and mesh.document.provenance
-        if own and saving.keep_colors and not ours:
+        ours = isinstance(mesh.document, Document) and bool(mesh.document.provenance)
+        kept = new_names(attributes, ours=ours, keep=saving.keep_colors).values()
+        if any(f"original_{channel}" in kept for channel in COLOR):
             warnings.warn(
                 f"the mesh's own colours are lost: {name} holds one colour per vertex "
                 "(save as .ply or .vtp to keep them)",

@@ -113,7 +113,7 @@ def _joined(parts: list[Part], document: Document) -> Contents:
         color = np.concatenate(
             [np.ones((len(p.points), 3)) if p.color is None else p.color for p in parts]
         )
-        srgb = np.rint(255 * linear_to_srgb(np.clip(color, 0, 1))).astype(np.uint8)
+        srgb = np.rint(255 * linear_to_srgb(np.clip(np.nan_to_num(color), 0, 1))).astype(np.uint8)
         vertex |= dict(zip(COLOR, srgb.T, strict=True))
     if parts and all(part.texture is not None for part in parts):
         texture = np.concatenate([part.texture for part in parts if part.texture is not None])

@@ -81,7 +81,7 @@ def format_of(path: str | os.PathLike[str], start: bytes, size: int) -> str:
     start : bytes
         The first few kilobytes.
     size : int
-        The length of the whole, in bytes.
+        The length of the whole, in bytes; −1 where it isn't known.
 
     Raises
     ------

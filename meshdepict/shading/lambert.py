@@ -33,9 +33,7 @@ def lambert(space: ScaleSpace, light: Any, *, exposure: Exposure = 1.0) -> NDArr
 
 
 @method(source="Exaggerated Shading (Rusinkiewicz et al. 2006), eq. 1")
-def half_lambert(
-    space: ScaleSpace, light: Any, *, exposure: Exposure = 1.0
-) -> NDArray[np.float32]:
+def half_lambert(space: ScaleSpace, light: Any, *, exposure: Exposure = 1.0) -> NDArray[np.float32]:
     """Shade by ½ + ½ n·l, the unclamped cosine: no part is lost in black.
 
     Parameters

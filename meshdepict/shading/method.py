@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import functools
+import inspect
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Annotated, Any, TypeVar
+from typing import Annotated, Any, TypeVar, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
-from meshdepict.options import Range
+from meshdepict.errors import MeshdepictError
+from meshdepict.options import Range, check, options_of
 
 __all__ = ["Declaration", "Exposure", "declaration", "exposed", "method"]
 
@@ -44,18 +47,36 @@ class Declaration:
 def method(
     *, scales: int = 0, ratio: float = math.sqrt(2), linear: bool = False, source: str
 ) -> Callable[[Function], Function]:
-    """Declare a shading function: its scales, the kind of its values and its paper."""
+    """Declare a shading function: its scales, the kind of its values and its paper.
+
+    The function then refuses wrong options, and anything but a scale space, with one sentence.
+    """
 
     def declare(function: Function) -> Function:
-        function.declaration = Declaration(scales, ratio, linear, source)  # type: ignore[attr-defined]
-        return function
+        name, others = function.__name__, inspect.signature(function).parameters
+
+        @functools.wraps(function)
+        def shade(space: Any, light: Any, **given: Any) -> Any:
+            if not hasattr(space, "widths"):
+                raise MeshdepictError(
+                    f"{name} shades a ScaleSpace, not a {type(space).__name__}: make one with "
+                    "scale_space, or let bake do so"
+                )
+            known = options_of(function)
+            options = {
+                key: value for key, value in given.items() if key in known or key not in others
+            }
+            return function(space, light, **{**given, **check(function, options, name)})
+
+        shade.declaration = Declaration(scales, ratio, linear, source)  # type: ignore[attr-defined]
+        return cast("Function", shade)
 
     return declare
 
 
 def declaration(function: Callable[..., Any]) -> Declaration:
     """Return what a shading function declared."""
-    return function.declaration  # type: ignore[attr-defined, no-any-return]
+    return function.declaration  # type: ignore[attr-defined]
 
 
 def exposed(values: NDArray[Any], exposure: float) -> NDArray[Any]:

@@ -1,0 +1,106 @@
+"""What a mesh is made of, checked once at the door: vertices, corner indices, attributes."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from meshdepict.errors import MeshdepictError
+from meshdepict.polygons import Polygons
+
+__all__ = ["check_indices", "checked_attributes", "checked_vertices", "frozen"]
+
+Floats = NDArray[np.float64]
+
+# Beyond it sums and differences of coordinates, and areas, would overflow.
+_LARGEST = 1e150
+
+
+def frozen(array: NDArray[Any]) -> NDArray[Any]:
+    """Make an array read-only, and return it."""
+    array.setflags(write=False)
+    return array
+
+
+def checked_vertices(vertices: ArrayLike) -> Floats:
+    """Return positions as a new (n, 3) array.
+
+    Raises
+    ------
+    MeshdepictError
+        For another shape, other things than numbers, none at all, NaN or infinite ones.
+    """
+    try:
+        given = np.asarray(vertices)
+        if given.dtype.kind not in "biufO":  # NumPy would make numbers of texts and complex ones
+            raise TypeError
+        array = np.array(given, dtype=np.float64, order="C")
+    except (TypeError, ValueError, OverflowError):
+        raise MeshdepictError("vertices must be an (n, 3) array of numbers") from None
+    if array.ndim != 2 or array.shape[1] != 3:
+        raise MeshdepictError(f"vertices must have shape (n, 3), not {array.shape}")
+    if len(array) == 0:
+        raise MeshdepictError("the mesh is empty: it has no vertices")
+    bad = ~np.isfinite(array).all(axis=1)
+    if bad.any():
+        first = int(np.argmax(bad))
+        raise MeshdepictError(
+            f"{int(bad.sum()):,} of {len(array):,} vertices are NaN or infinite "
+            f"(the first is vertex {first}: {', '.join(f'{x:g}' for x in array[first])}); "
+            "remove or repair them first"
+        )
+    if np.abs(array).max() > _LARGEST:
+        raise MeshdepictError(
+            f"vertices beyond {_LARGEST:g} leave no room for computing; rescale the mesh"
+        )
+    return array
+
+
+def check_indices(polygons: Polygons, count: int) -> None:
+    """Raise `MeshdepictError` where a polygon has a corner outside 0 … count − 1."""
+    corners = polygons.connectivity
+    bad = (corners < 0) | (corners >= count)
+    if bad.any():
+        first = int(np.argmax(bad))
+        face = int(np.searchsorted(polygons.offsets, first, side="right")) - 1
+        raise MeshdepictError(
+            f"face {face} refers to vertex {int(corners[first])}, but the mesh has {count:,} "
+            f"vertices, numbered from 0 ({int(bad.sum()):,} such corners)"
+        )
+
+
+def checked_attributes(
+    given: Mapping[str, Mapping[str, Any]], **counts: int
+) -> dict[str, dict[str, NDArray[Any]]]:
+    """Return attributes as new read-only arrays.
+
+    Parameters
+    ----------
+    given : {element: {name: array_like}}
+    **counts : int
+        How many rows the arrays of each element have to have.
+
+    Raises
+    ------
+    MeshdepictError
+        For another element or another number of rows.
+    """
+    unknown = set(given) - set(counts)
+    if unknown:
+        raise MeshdepictError(
+            f"attributes belong to {' or '.join(map(repr, counts))}, not {unknown.pop()!r}"
+        )
+    checked: dict[str, dict[str, NDArray[Any]]] = {element: {} for element in counts}
+    for element, arrays in given.items():
+        for name, values in arrays.items():
+            array = np.array(values)
+            if array.shape[:1] != (counts[element],):
+                raise MeshdepictError(
+                    f"{element} attribute {name!r} has shape {array.shape}, expected "
+                    f"{counts[element]:,} rows"
+                )
+            checked[element][name] = frozen(array)
+    return checked

@@ -1,0 +1,83 @@
+"""How a bake came about, in words that go into its file: enough to make it again."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING, Any
+
+from meshdepict.io.document import Document
+from meshdepict.options import as_text, options_of
+
+if TYPE_CHECKING:
+    from meshdepict.mesh import Mesh
+    from meshdepict.scales import ScaleSpace
+    from meshdepict.scene import Light, View
+
+__all__ = ["describe", "digest", "was_baked"]
+
+
+def describe(
+    function: Callable[..., Any],
+    space: ScaleSpace,
+    *,
+    options: Mapping[str, Any],
+    light: Light,
+    view: str | View,
+    up: str,
+    colormap: str | None,
+    albedo: str,
+) -> dict[str, str]:
+    """Return what was shaded, and how, by keyword.
+
+    Parameters
+    ----------
+    function : shading function
+    space : ScaleSpace
+    options : mapping
+        Those given; the others have their defaults.
+    light, view, up, colormap, albedo
+        As for `bake`.
+    """
+    from meshdepict import __version__
+
+    mesh = space.shape
+    values = {name: options.get(name, o.default) for name, o in options_of(function).items()}
+    return {
+        "version": str(__version__),
+        "method": function.__name__,
+        "options": " ".join(
+            f"{name}={as_text(value)}" for name, value in values.items() if value is not None
+        ),
+        "scales": _scales(space),
+        "light": str(light),
+        "view": f"{view}, up {up}" if isinstance(view, str) else str(view),
+        "colormap": colormap or "gray",
+        "albedo": albedo,
+        "mesh": f"{len(mesh.vertices)} vertices {len(mesh.faces)} triangles sha256 {digest(mesh)}",
+    }
+
+
+def digest(mesh: Mesh) -> str:
+    """Return the first 16 digits of the SHA-256 of vertices and triangles."""
+    sha = hashlib.sha256(mesh.vertices.data)
+    sha.update(mesh.faces.data)
+    return sha.hexdigest()[:16]
+
+
+def was_baked(mesh: Mesh) -> bool:
+    """Whether a mesh's red, green and blue are those of a former bake."""
+    return isinstance(mesh.document, Document) and bool(mesh.document.provenance)
+
+
+def _scales(space: ScaleSpace) -> str:
+    count = len(space.widths) - 1
+    if count == 0:
+        return "0"
+    texts = [
+        f"{count}, widths {space.widths[1]:.6g} to {space.widths[-1]:.6g}",
+        f"ratio {space.ratio:.6g}",
+        f"facing {space.facing:g}",
+        f"tolerance {space.tolerance:g}",
+    ]
+    return ", ".join(texts)
