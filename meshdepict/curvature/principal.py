@@ -17,6 +17,8 @@ __all__ = ["ESTIMATORS", "PrincipalCurvatures", "principal_curvatures"]
 
 ESTIMATORS = ("tensor", "quadric", "discrete")
 
+_UNIT = 1e-3  # how far a unit normal's length may be off: single precision and more
+
 
 class PrincipalCurvatures(NamedTuple):
     """Curvatures in 1/length of the world, positive where convex, and their directions.
@@ -76,12 +78,13 @@ def principal_curvatures(
     method : {"tensor", "quadric", "discrete"}
         "tensor": how the normals change over each face, averaged (Rusinkiewicz 2004). Fast,
         and exact on a sphere; the noise of raw normals is to be tamed by their scale.
-        "quadric": a quadric fitted within `radius`, by libigl (Panozzo et al. 2010). Slow,
-        smooths by itself.
+        "quadric": a quadric fitted to the positions within `radius`, as in libigl (Panozzo et
+        al. 2010). Slow; smooths by itself.
         "discrete": mean-curvature normal and angle defect (Meyer et al. 2002). Positions of the
         one-ring only, an independent check; its d1, d2 are any tangent frame.
     radius : float or str, optional
-        Of "quadric" alone, in world units or "0.2%" of the diagonal; five mean edges unless given.
+        Of "quadric" alone: in world units, or "0.2%" of the diagonal. Five median edges unless
+        given.
 
     Returns
     -------
@@ -108,11 +111,53 @@ def principal_curvatures(
     if method == "quadric":
         from meshdepict.curvature.quadric import quadric_curvatures
 
-        return PrincipalCurvatures(*quadric_curvatures(mesh, radius))
+        return _result(*quadric_curvatures(mesh, radius))
     if method == "discrete":
         from meshdepict.curvature.discrete import discrete_curvatures
 
-        return PrincipalCurvatures(*discrete_curvatures(mesh))
-    from meshdepict.curvature.tensor import tensor_curvatures
+        return _result(*discrete_curvatures(mesh))
+    return _from_normals(mesh, normals)
 
-    return PrincipalCurvatures(*tensor_curvatures(mesh, _checked(mesh, normals)))
+
+def _from_normals(mesh: Mesh, normals: ArrayLike | None) -> PrincipalCurvatures:
+    from meshdepict.curvature.tensor import tensor_curvatures
+    from meshdepict.curvature.welded import Welded
+
+    surface = Welded(mesh)
+    if normals is None:
+        unit = surface.gathered(mesh.normals)
+    else:
+        unit = surface.gathered(_checked_normals(normals, len(mesh.vertices)))
+    unit.setflags(write=False)  # or the kernel would be compiled twice, for both kinds
+    k, d = tensor_curvatures(surface.points, surface.faces, unit)
+    k /= mesh.diagonal or 1.0
+    return _result(*(surface.spread(part) for part in (*k, *d)))
+
+
+def _checked_normals(normals: ArrayLike, count: int) -> NDArray[np.float64]:
+    try:
+        array = np.array(normals, dtype=np.float64, order="C")
+    except (TypeError, ValueError):
+        raise MeshdepictError("normals must be an (n, 3) array of numbers") from None
+    if array.shape != (count, 3):
+        raise MeshdepictError(
+            f"normals have shape {array.shape}; the mesh's {count:,} vertices want ({count}, 3)"
+        )
+    squared = np.einsum("ij,ij->i", array, array)
+    bad = ~(np.abs(squared - 1) < 2 * _UNIT)  # also refuses NaN
+    if bad.any():
+        first = int(np.argmax(bad))
+        raise MeshdepictError(
+            f"{int(bad.sum()):,} of {count:,} normals are not of unit length (the first is "
+            f"{first}: length {np.sqrt(squared[first]):.4g}); normalise them first"
+        )
+    return array
+
+
+def _result(
+    k1: NDArray[np.float64], k2: NDArray[np.float64], d1: NDArray[Any], d2: NDArray[Any]
+) -> PrincipalCurvatures:
+    arrays = (k1, k2, d1.astype(np.float32, copy=False), d2.astype(np.float32, copy=False))
+    for array in arrays:
+        array.setflags(write=False)  # scale spaces keep and share them
+    return PrincipalCurvatures(*arrays)
