@@ -17,13 +17,16 @@ from meshdepict.errors import MeshdepictError, MeshdepictWarning
 if TYPE_CHECKING:
     from meshdepict import curvature, samples, shading
     from meshdepict.baking import Baked, bake
+    from meshdepict.environment import Environment
     from meshdepict.io import read, read_mesh
     from meshdepict.mesh import Mesh
+    from meshdepict.recipe import load_recipe, save_recipe
     from meshdepict.scales import ScaleSpace, scale_space, smooth_normals
     from meshdepict.scene import Light, View
 
 __all__ = [
     "Baked",
+    "Environment",
     "Light",
     "Mesh",
     "MeshdepictError",
@@ -32,9 +35,11 @@ __all__ = [
     "View",
     "bake",
     "curvature",
+    "load_recipe",
     "read",
     "read_mesh",
     "samples",
+    "save_recipe",
     "scale_space",
     "shading",
     "smooth_normals",
@@ -42,13 +47,16 @@ __all__ = [
 
 _HOME = {
     "Baked": "baking",
+    "Environment": "environment",
     "Light": "scene",
     "Mesh": "mesh",
     "ScaleSpace": "scales",
     "View": "scene",
     "bake": "baking",
+    "load_recipe": "recipe",
     "read": "io",
     "read_mesh": "io",
+    "save_recipe": "recipe",
     "scale_space": "scales",
     "smooth_normals": "scales",
 }

@@ -191,7 +191,7 @@ def bake(
     mesh = shape.shape if isinstance(shape, ScaleSpace) else as_mesh(shape)
     own = _own_colors(mesh) if albedo == "keep" else None
     eye = as_view(view, mesh, up=up)
-    lamp = as_lighting(light, eye) if colormap2d is None else as_light(light, eye)
+    lamp = as_lighting(light, eye, up=up) if colormap2d is None else as_light(light, eye)
     if isinstance(shape, ScaleSpace):
         space = shape
         asked = {"scales": scales, "width": width, "ratio": ratio}

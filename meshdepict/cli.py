@@ -44,7 +44,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
             stream.reconfigure(errors="replace")
     try:
         with notes(quiet=False):
-            command, bound, _ = app.parse_args(words, exit_on_error=False, print_error=False)
+            command, bound, extra = app.parse_args(words, exit_on_error=False, print_error=False)
+            if "given" in extra:  # what the words said, before defaults filled the rest
+                bound.arguments["given"] = frozenset(bound.arguments)
             status = command(*bound.args, **bound.kwargs)
         sys.stdout.flush()
     except MeshdepictError as error:
@@ -125,12 +127,15 @@ def bake(
     winding: Annotated[Literal["auto", "keep"], Parameter(group=_FILES)] = "auto",
     fix_winding: Annotated[bool, Parameter(group=_FILES, show_default=False)] = False,
     force: Annotated[bool, Parameter(group=_FILES, show_default=False)] = False,
+    recipe: Annotated[str | None, Parameter(group=_FILES)] = None,
+    save_recipe: Annotated[str | None, Parameter(group=_FILES)] = None,
     method: Annotated[str, Parameter(name=["--method", "-m"], group=_LOOK)] = "exaggerated",
     light: Annotated[str, Parameter(group=_LOOK, allow_leading_hyphen=True)] = "northwest",
     view: Annotated[str, Parameter(group=_LOOK)] = "front",
     up: Annotated[Literal["y", "z"], Parameter(group=_LOOK)] = "y",
     options: Annotated[list[str] | None, Parameter(name="--set", group=_LOOK)] = None,
     colormap: Annotated[str | None, Parameter(group=_LOOK)] = None,
+    colormap2d: Annotated[str | None, Parameter(name="--colormap2d", group=_LOOK)] = None,
     scales: Annotated[int | None, Parameter(converter=_whole, group=_DETAIL)] = None,
     width: Annotated[str | None, Parameter(group=_DETAIL, allow_leading_hyphen=True)] = None,
     ratio: Annotated[float | None, Parameter(converter=_number, group=_DETAIL)] = None,
@@ -138,6 +143,7 @@ def bake(
     tolerance: Annotated[float, Parameter(converter=_number, group=_DETAIL)] = 1e-4,
     quiet: _Quiet = False,
     cores: _Threads = None,
+    given: Annotated[frozenset[str], Parameter(parse=False)] = frozenset(),
 ) -> int:
     """Shade meshes and write the colours into files. Without INPUT: the built-in golf ball.
 
@@ -159,6 +165,10 @@ def bake(
         Write the turned faces, too, with vertex and face properties but nothing else of the file.
     force
         Replace existing files that meshdepict didn't write, the input among them.
+    recipe
+        Take method, light, view, scales, … from a file; what else is said here comes first.
+    save_recipe
+        Write them to a file.
     method
         How to shade: meshdepict methods lists what there is.
     light
@@ -172,6 +182,8 @@ def bake(
         An option of the method as name=value; meshdepict methods NAME lists them. Repeatable.
     colormap
         Colours for dark to bright; grey unless given.
+    colormap2d
+        Colours for two lights, the other one 90° clockwise: dusk, earth or swiss.
     scales
         How often to smooth; unless given, as often as the method wants.
     width
@@ -184,16 +196,25 @@ def bake(
     tolerance
         Largest error of a normal, in radians.
     """
-    from meshdepict.batch import Batch
+    from meshdepict.batch import Batch, check_settings
+    from meshdepict.recipe import load_recipe, merge_recipe
+    from meshdepict.recipe import save_recipe as write_recipe
 
     threads.limit(cores)
     if fix_winding and winding == "keep":
         raise MeshdepictError("--fix-winding writes what --winding keep forbids: give one of them")
-    settings = {
+    settings: dict[str, Any] = {
         "method": method, "light": _light(light), "view": view, "up": up, "scales": scales,
         "width": width, "ratio": ratio, "facing": facing, "tolerance": tolerance,
-        "colormap": colormap, "albedo": albedo, **_method_options(method, options or []),
+        "colormap": colormap, "colormap2d": colormap2d, "albedo": albedo,
     }  # fmt: skip
+    if recipe is not None:
+        said = {name: value for name, value in settings.items() if name in given}
+        settings = merge_recipe(load_recipe(recipe), said)
+    settings |= _method_options(settings["method"], options or [])
+    if save_recipe is not None:
+        check_settings(settings)
+        write_recipe(save_recipe, settings, force=force)
     batch = Batch(
         inputs=inputs, settings=settings, output=output, picture=picture, size=_size(size),
         winding=winding, fix_winding=fix_winding, force=force, quiet=quiet,

@@ -15,7 +15,18 @@ from meshdepict.options import nearest
 if TYPE_CHECKING:
     from meshdepict.mesh import Mesh
 
-__all__ = ["LIGHTS", "VIEWS", "Light", "View", "as_light", "as_view"]
+__all__ = [
+    "LIGHTS",
+    "VIEWS",
+    "Light",
+    "Lights",
+    "View",
+    "as_light",
+    "as_lighting",
+    "as_lights",
+    "as_view",
+    "is_several",
+]
 
 Vector = NDArray[np.float64]
 
@@ -41,18 +52,34 @@ VIEWS = tuple(_VIEWS)
 _MARGIN = 1.05  # a fitted view leaves 5 % round the object
 
 
-def _unit(vector: ArrayLike, what: str) -> Vector:
+def _numbers(given: Any) -> Vector:
+    """Return a new read-only array of finite numbers, an empty one where that is impossible."""
     try:
-        array = np.asarray(vector, dtype=np.float64)
-    except (TypeError, ValueError):
+        array = np.array(given, dtype=np.float64)
+    except (TypeError, ValueError, OverflowError):
         array = np.empty(0)
-    if array.shape != (3,) or not np.isfinite(array).all() or not array.any():
+    array = array if np.isfinite(array).all() else np.empty(0)
+    array.setflags(write=False)
+    return array
+
+
+def _unit(vector: ArrayLike, what: str) -> Vector:
+    array = _numbers(vector)
+    if array.shape != (3,) or not array.any():
         raise MeshdepictError(f"{what} must be three finite numbers, not all zero, not {vector!r}")
     array = array / np.abs(array).max()  # so that squares neither overflow nor vanish
-    return np.asarray(array / np.linalg.norm(array))
+    array /= np.linalg.norm(array)
+    array.setflags(write=False)
+    return array
 
 
-@dataclass(frozen=True)
+def _positive(number: Any, below: float) -> bool:
+    """Whether this is a number between zero and a bound."""
+    value = _numbers(number)
+    return not isinstance(number, (str, bytes)) and value.shape == () and 0 < float(value) < below
+
+
+@dataclass(frozen=True, eq=False)
 class Light:
     """A directional light.
 
@@ -62,24 +89,58 @@ class Light:
         Towards the light, in world space; normalised.
     name : str
         What a caption calls it.
+    color : (3,) array_like
+        Linear RGB: what a white Lambertian surface facing the light shows (its irradiance / π).
     """
 
     direction: Any
     name: str = ""
+    color: Any = (1.0, 1.0, 1.0)
 
     def __post_init__(self) -> None:
-        """Check and normalise the direction."""
-        direction = _unit(self.direction, "a light's direction")
-        direction.setflags(write=False)
-        object.__setattr__(self, "direction", direction)
+        """Check everything, and normalise the direction."""
+        object.__setattr__(self, "direction", _unit(self.direction, "a light's direction"))
+        color = _numbers(self.color)
+        if color.shape != (3,) or (color < 0).any():
+            raise MeshdepictError(f"a light's color must be three numbers ≥ 0, not {self.color!r}")
+        object.__setattr__(self, "color", color)
+
+    def spread(self, radius: float, *, count: int = 16) -> list[Light]:
+        """Return an area light as samples: a disc of the sky about the direction.
+
+        Parameters
+        ----------
+        radius : float
+            Angular, in degrees, 0 … 180.
+        count : int
+            Lights, which share the colour evenly.
+        """
+        if isinstance(count, bool) or not 1 <= count <= 1_000_000 or count != int(count):
+            raise MeshdepictError(f"count={count!r} is not a number of lights")
+        if not 0 <= radius <= 180:
+            raise MeshdepictError(f"radius={radius!r} is not an angle from 0° to 180°")
+        # A golden spiral: even by solid angle, in any number.
+        i = np.arange(count) + 0.5
+        height = 1 - (1 - math.cos(math.radians(radius))) * i / count
+        turn = math.pi * (3 - math.sqrt(5)) * i
+        across = np.sqrt(np.maximum(1 - height**2, 0))
+        axis = _unit(np.eye(3)[np.argmin(np.abs(self.direction))], "an axis")
+        x = _unit(np.cross(axis, self.direction), "an axis")
+        y = np.cross(self.direction, x)
+        samples = across[:, None] * (np.cos(turn)[:, None] * x + np.sin(turn)[:, None] * y)
+        samples += height[:, None] * self.direction
+        return [Light(sample, self.name, self.color / count) for sample in samples]
 
     def __str__(self) -> str:
         """Return the name and the direction."""
         numbers = " ".join(f"{x:.6g}" for x in self.direction)
-        return f"{self.name} ({numbers})" if self.name else f"({numbers})"
+        tint = (
+            "" if (self.color == 1).all() else f" color {' '.join(f'{x:.6g}' for x in self.color)}"
+        )
+        return (f"{self.name} ({numbers})" if self.name else f"({numbers})") + tint
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class View:
     """An eye: where it is, what it looks at, and how the picture is projected.
 
@@ -109,12 +170,12 @@ class View:
     def __post_init__(self) -> None:
         """Check everything once."""
         for field in ("position", "focus"):
-            value = np.asarray(getattr(self, field), dtype=np.float64)
-            if value.shape != (3,) or not np.isfinite(value).all():
+            value = _numbers(getattr(self, field))
+            if value.shape != (3,):
                 raise MeshdepictError(f"a view's {field} must be three finite numbers")
             object.__setattr__(self, field, value)
         object.__setattr__(self, "up", _unit(self.up, "a view's up direction"))
-        if not np.any(self.position - self.focus):
+        if np.array_equal(self.position, self.focus):
             raise MeshdepictError("a view's position and focus are the same point")
         if np.linalg.norm(np.cross(self.up, self.towards_eye)) < 1e-9:
             raise MeshdepictError("a view's up direction lies along its line of sight")
@@ -122,17 +183,28 @@ class View:
             raise MeshdepictError("a view has a field of view or a parallel scale, not both")
         if self.field_of_view is None and self.parallel_scale is None:
             object.__setattr__(self, "field_of_view", 30.0)
-        if self.field_of_view is not None and not 0 < self.field_of_view < 180:
-            raise MeshdepictError(f"field_of_view={self.field_of_view!r} is not between 0° and 180°")
-        if self.parallel_scale is not None and not 0 < self.parallel_scale < math.inf:
-            raise MeshdepictError(f"parallel_scale={self.parallel_scale!r} is not a positive length")
-        if self.height_px < 1:
+        if self.field_of_view is not None and not _positive(self.field_of_view, 180):
+            raise MeshdepictError(
+                f"field_of_view={self.field_of_view!r} is not between 0° and 180°"
+            )
+        if self.parallel_scale is not None and not _positive(self.parallel_scale, math.inf):
+            raise MeshdepictError(
+                f"parallel_scale={self.parallel_scale!r} is not a positive length"
+            )
+        if not _positive(self.height_px, math.inf) or self.height_px != int(self.height_px):
             raise MeshdepictError(f"height_px={self.height_px!r} is not a number of pixels")
+
+    def __str__(self) -> str:
+        """Return the name, where the eye is, what it looks at, and what is up."""
+        eye, focus, up = (
+            " ".join(f"{x:.6g}" for x in vector) for vector in (self.position, self.focus, self.up)
+        )
+        return f"{self.name} from ({eye}) to ({focus}), up ({up})".lstrip()
 
     @property
     def towards_eye(self) -> Vector:
         """Unit vector from the focus to the eye: the view axis z."""
-        return _unit(self.position - self.focus, "a line of sight")
+        return _unit(self.position / 2 - self.focus / 2, "a line of sight")  # no overflow
 
     @property
     def frame(self) -> NDArray[np.float64]:
@@ -156,13 +228,22 @@ class View:
             Which axis of the object points up.
         aspect : float
             Width over height of the picture.
+
+        Raises
+        ------
+        MeshdepictError
+            For an unknown name or axis, and a picture without width or height.
         """
+        if not _positive(aspect, math.inf):
+            raise MeshdepictError(f"aspect={aspect!r} is not a positive ratio")
         towards, upwards = named_directions(name, up)
         eye = cls(towards, (0, 0, 0), upwards, parallel_scale=1.0)
         seen = (shape.vertices - shape._centre) @ eye.frame.T
         low, high = seen.min(axis=0), seen.max(axis=0)
         half = (high - low) / 2
-        scale = max(float(half[1]), float(half[0]) / aspect) * _MARGIN or shape.diagonal or 1.0
+        scale = max(float(half[1]), float(half[0]) / aspect) * _MARGIN
+        if scale <= 1e-9 * shape.diagonal:  # a line seen end on, or a point
+            scale = shape.diagonal or float(np.abs(shape._centre).max()) or 1.0
         focus = shape._centre + ((low + high) / 2) @ eye.frame
         distance = max(4 * scale, float(half[2]) + 2 * scale)
         return cls(
@@ -176,7 +257,7 @@ def named_directions(name: str, up: str = "y") -> tuple[Vector, Vector]:
 
     With ``up="z"`` the frame is turned so that z points up and the front is seen from −y.
     """
-    if name not in _VIEWS:
+    if not isinstance(name, str) or name not in _VIEWS:
         raise MeshdepictError(
             f"no view is called {name!r}{nearest(name, VIEWS)} (there are {', '.join(VIEWS)})"
         )
@@ -221,16 +302,15 @@ def as_light(light: Any, view: View | None = None) -> Light:
                 f"{', '.join(LIGHTS)}; or give azimuth,elevation in degrees or x,y,z)"
             )
         return Light(_from_angles(_COMPASS[light], _COMPASS_ELEVATION) @ frame, light)
-    try:
-        numbers = np.asarray(light, dtype=np.float64)
-    except (TypeError, ValueError):
-        numbers = np.empty(0)
-    if numbers.shape == (2,) and np.isfinite(numbers).all():
+    if _is_environment(light) or isinstance(light, Lights):
+        raise MeshdepictError(f"one light is needed here, not several ({light!s:.60})")
+    numbers = _numbers(light)
+    if numbers.shape == (2,):
         azimuth, elevation = (float(x) for x in numbers)
         name = f"azimuth {azimuth:g}° elevation {elevation:g}°"
         return Light(_from_angles(azimuth, elevation) @ frame, name)
     if numbers.shape == (3,):
-        return Light(numbers)
+        return Light(light)
     raise MeshdepictError(
         f"light={light!r} is neither a name, nor a direction (x, y, z), nor (azimuth, elevation)"
     )
@@ -239,3 +319,62 @@ def as_light(light: Any, view: View | None = None) -> Light:
 def _from_angles(azimuth: float, elevation: float) -> Vector:
     a, e = math.radians(azimuth), math.radians(elevation)
     return np.array([math.sin(a) * math.cos(e), math.cos(a) * math.cos(e), math.sin(e)])
+
+
+def as_lights(light: Any, view: View | None = None, *, count: int = 54) -> list[Light]:
+    """Return several lights: those of a sequence, `count` of an environment, or the one.
+
+    Parameters
+    ----------
+    light : light, sequence of lights, or Environment
+        A light as in `as_light`; a (k, 3) array is a sequence of directions.
+    view : View, optional
+        As in `as_light`.
+    count : int
+        Into how many lights an environment is sampled.
+    """
+    if _is_environment(light):
+        return list(light.lights(count))
+    if not is_several(light):
+        return [as_light(light, view)]
+    lights = [one for item in light for one in as_lights(item, view, count=count)]
+    if not lights:
+        raise MeshdepictError("an empty sequence of lights leaves everything black; give one light")
+    return lights
+
+
+class Lights(tuple[Light, ...]):
+    """Several lights, in words."""
+
+    __slots__ = ()
+
+    def __str__(self) -> str:
+        """Return the lights, separated by semicolons."""
+        return "; ".join(map(str, self))
+
+
+def as_lighting(light: Any, view: View | None = None, *, up: str = "y") -> Any:
+    """Return what a bake is lit by: a `Light`, `Lights`, or an Environment as it is.
+
+    A text that ends in ".hdr" is an Environment's file, whose up is that of the shape.
+    """
+    if isinstance(light, str) and light.lower().endswith(".hdr"):
+        from meshdepict.environment import Environment
+
+        return Environment.from_file(light, up=up)
+    if _is_environment(light):
+        return light
+    return Lights(as_lights(light, view)) if is_several(light) else as_light(light, view)
+
+
+def is_several(light: Any) -> bool:
+    """Whether this is a sequence of lights, and not the numbers of one."""
+    if isinstance(light, (str, Light)) or not hasattr(light, "__len__"):
+        return False
+    return not len(light) or any(
+        isinstance(item, (str, Light)) or _is_environment(item) or np.ndim(item) for item in light
+    )
+
+
+def _is_environment(light: Any) -> bool:
+    return hasattr(light, "irradiance")  # `Environment` stands right of this module

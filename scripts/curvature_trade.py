@@ -10,7 +10,6 @@ adds time.
 
 from __future__ import annotations
 
-import importlib.util
 import platform
 import sys
 import time
@@ -19,6 +18,19 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from curvature_cases import (
+    ESTIMATORS,
+    NOISES,
+    QUALITIES,
+    SIZES,
+    SLOW,
+    SURFACES,
+    Found,
+    ours,
+    surface,
+    vtk,
+)
+from exact_surfaces import Exact
 
 import meshdepict as md
 from meshdepict import samples
@@ -26,162 +38,210 @@ from meshdepict.curvature import principal_curvatures
 from meshdepict.threads import thread_count
 
 ROOT = Path(__file__).resolve().parent.parent
-sys.path.insert(0, str(ROOT / "tests"))
-
-from exact_surfaces import (  # noqa: E402
-    AXES,
-    HEIGHTS,
-    MAJOR,
-    MINOR,
-    Exact,
-    on_ellipsoid,
-    on_graph,
-    on_sphere,
-    on_torus,
-    solved,
-)
-
-SIZES = (1_000, 10_000, 100_000, 1_000_000)
-NOISES = (0.0, 1e-4, 1e-3, 1e-2)  # in edges
-QUALITIES = ("regular", "random", "slivers")
-SURFACES = ("sphere", "ellipsoid", "torus", "monkey", "wavy")
-SLOW = 200_000  # vertices beyond which slow estimators are left out
-
-Found = tuple[Any, Any, Any]  # k1, k2 and d1, or None without directions
 
 
-# --- surfaces ---------------------------------------------------------------------------------
+# --- measures ---------------------------------------------------------------------------------
 
 
-def surface(name: str, count: int, quality: str = "regular", noise: float = 0.0) -> Exact:
-    """Return a mesh of a surface, noise along its normals, and the answers without the noise.
+def errors(found: Found, exact: Exact) -> dict[str, float]:
+    """Return errors of k1, k2 and mean in per cent of the surface's own |k1|, of d1 in degrees.
 
-    "random" moves every vertex within the surface by up to a third of an edge. "slivers" shears
-    or stretches the parametrisation about tenfold.
+    Root mean squares over the vertices away from borders; the median of the angles, where
+    k1² − k2² is a tenth of its largest or more. Estimates are matched by sign, not by magnitude:
+    where |k1| ≈ |k2| noise may swap the two.
     """
+    inner = exact.inner
+    unit = np.sqrt(np.mean(exact.k1[inner] ** 2)) / 100
+    ours = np.sort(np.stack(found[:2]), axis=0)[:, inner]
+    theirs = np.sort(np.stack([exact.k1, exact.k2]), axis=0)[:, inner]
+    off = ours - theirs
+    first = (exact.k1 > exact.k2)[inner]
+    parts = {
+        "k1": np.where(first, off[1], off[0]),
+        "k2": np.where(first, off[0], off[1]),
+        "mean": off.mean(axis=0),
+    }
+    result = {name: float(np.sqrt(np.mean(part**2)) / unit) for name, part in parts.items()}
+    squares = exact.k1**2 - exact.k2**2
+    clear = inner & (squares > 0.1 * np.square(exact.k1[inner]).max())
+    result["d1"] = np.nan
+    if found[2] is not None and clear.any():
+        d1 = found[2][clear]
+        length = np.maximum(np.linalg.norm(d1, axis=1), 1e-12)
+        cosine = np.abs(np.einsum("ij,ij->i", d1, exact.d1[clear])) / length
+        result["d1"] = float(np.median(np.degrees(np.arccos(np.minimum(cosine, 1)))))
+    return result
+
+
+def best(work: Callable[[], Any], runs: int) -> tuple[float, Any]:
+    """Return the shortest time of several runs in seconds, and the result."""
+    times = []
+    for _ in range(runs):
+        start = time.perf_counter()
+        result = work()
+        times.append(time.perf_counter() - start)
+    return min(times), result
+
+
+Key = tuple[str, int, str, float, str]
+
+
+def cases() -> Iterator[tuple[str, int, str, float]]:
+    for name in SURFACES:
+        for count in SIZES:
+            yield name, count, "regular", 0.0
+        for quality in QUALITIES:
+            for noise in NOISES:
+                if quality != "regular" or noise:
+                    yield name, 10_000, quality, noise
+
+
+def measured() -> dict[Key, dict[str, float]]:
+    results: dict[Key, dict[str, float]] = {}
+    for case in cases():
+        exact = surface(*case)
+        runs = 5 if case[1] <= 10_000 and case[2:] == ("regular", 0.0) else 1
+        for label, (estimate, slow) in ESTIMATORS.items():
+            if slow and case[1] > SLOW:
+                continue
+            seconds, found = best(lambda e=estimate, m=exact.mesh: e(m), runs)
+            results[*case, label] = errors(found, exact) | {"seconds": seconds}
+        print(f"  {case}", file=sys.stderr, flush=True)
+    return results
+
+
+def over_surfaces(results, label, count, quality, noise, what, pick=np.median) -> float:
+    values = [
+        results[name, count, quality, noise, label][what]
+        for name in SURFACES
+        if (name, count, quality, noise, label) in results
+    ]
+    values = [value for value in values if not np.isnan(value)]
+    return float(pick(values)) if values else np.nan
+
+
+# --- tables -----------------------------------------------------------------------------------
+
+
+def row(*cells: object) -> None:
+    print("| " + " | ".join(str(cell) for cell in cells) + " |", flush=True)
+
+
+def head(*cells: str) -> None:
+    print()
+    row(*cells)
+    row(*("---" for _ in cells))
+
+
+def short(value: float) -> str:
+    return (
+        "–" if np.isnan(value) else f"{value:#.2g}".rstrip(".") if value < 99.5 else f"{value:.0f}"
+    )
+
+
+def tables(results) -> None:
+    head("vertices, estimator", "k1 %", "k2 %", "mean %", "d1 °", "seconds")
+    for count in SIZES:
+        for label in ESTIMATORS:
+            given = (results, label, count, "regular", 0.0)
+            cells = [over_surfaces(*given, what) for what in ("k1", "k2", "mean", "d1")]
+            if not np.isnan(cells[0]):
+                seconds = over_surfaces(*given, "seconds", min)
+                row(f"{count:,} {label}", *map(short, cells), f"{seconds:.3f}")
+    for what, unit in (("mean", "%"), ("d1", "°")):
+        columns = [f"{quality} {noise:g}" for quality in QUALITIES for noise in NOISES]
+        head(f"{what}, {unit}", *columns)
+        for label in ESTIMATORS:
+            cells = [
+                over_surfaces(results, label, 10_000, quality, noise, what)
+                for quality in QUALITIES
+                for noise in NOISES
+            ]
+            if not np.isnan(cells[0]):
+                row(label, *map(short, cells))
+    head("k1 % / k2 % / mean % / d1 °", *SURFACES)
+    for label in ESTIMATORS:
+        cells = []
+        for name in SURFACES:
+            found = results[name, 10_000, "regular", 0.0, label]
+            cells.append(" / ".join(short(found[what]) for what in ("k1", "k2", "mean", "d1")))
+        row(label, *cells)
+
+
+def aims() -> None:
+    head("work", "measured", "aim")
+    for count, runs, aim in ((36_000, 40, "15 ms"), (1_750_000, 4, "600 ms")):
+        mesh = surface("torus", count).mesh
+        principal_curvatures(mesh)
+        seconds, _ = best(lambda m=mesh: principal_curvatures(m), runs)
+        row(f"tensor, {len(mesh.vertices):,} vertices", f"{1e3 * seconds:.1f} ms", aim)
+    found = principal_curvatures(samples.sphere(41_000))
+    worst = max(np.abs(found.k1 - 1).max(), np.abs(found.k2 - 1).max())
+    row("worst error of k, unit icosphere of 41 k vertices", f"{100 * worst:.1g} %", "1 %")
+    ball = samples.sphere(10_000)
     rng = np.random.default_rng(2009)
-    if name in ("sphere", "ellipsoid"):
-        points, faces, form, inner = _ball(count, quality, rng, name)
-    elif name == "torus":
-        points, faces, form, inner = _torus(count, quality, rng)
-    else:
-        points, faces, form, inner = _graph(count, quality, rng, name)
-    answers = solved(None, *form(points), inner)
-    mesh = md.Mesh(points, faces, winding="keep")
-    if noise:
-        step = noise * mesh.edge_length * rng.normal(size=(len(points), 1))
-        mesh = md.Mesh(points + step * answers.normals, faces, winding="keep")
-    answers.mesh = mesh
-    assert len(mesh.normals) == len(mesh.areas)  # not part of an estimate
-    return answers
-
-
-def _ball(count, quality, rng, name):
-    mesh = samples.sphere(count)
-    points, faces = np.array(mesh.vertices), mesh.faces
-    if quality == "random":
-        points += rng.uniform(-1, 1, points.shape) * mesh.edge_length / 3
-        points /= np.linalg.norm(points, axis=1, keepdims=True)
-    elif quality == "slivers":  # twisted: what lies above turns round what lies below
-        x, y, z = points.T
-        c, s = np.cos(8 * z), np.sin(8 * z)
-        points = np.stack([c * x - s * y, s * x + c * y, z], axis=1)
-    if name == "sphere":
-        return points, faces, on_sphere, None
-    return points * AXES, faces, on_ellipsoid, None
-
-
-def _torus(count, quality, rng):
-    mesh = samples.torus(count, major=MAJOR, minor=MINOR)
-    x, y, z = mesh.vertices.T
-    u, v = np.arctan2(y, x), np.arctan2(z, np.hypot(x, y) - MAJOR)
-    if quality == "random":
-        u += rng.uniform(-1, 1, len(u)) * mesh.edge_length / 3 / MAJOR
-        v += rng.uniform(-1, 1, len(v)) * mesh.edge_length / 3 / MINOR
-    elif quality == "slivers":
-        u += 4 * v
-    ring = MAJOR + MINOR * np.cos(v)
-    points = np.stack([ring * np.cos(u), ring * np.sin(u), MINOR * np.sin(v)], axis=1)
-    return points, mesh.faces, on_torus, None
-
-
-def _graph(count, quality, rng, name):
-    stretch = 10**0.5 if quality == "slivers" else 1.0
-    nx, ny = round(count**0.5 * stretch), round(count**0.5 / stretch)
-    x, y = (a.ravel() for a in np.meshgrid(*(np.linspace(-0.5, 0.5, n) for n in (nx, ny))))
-    if quality == "random":
-        x, y = (a + rng.uniform(-1, 1, len(x)) / 3 / (nx - 1) for a in (x, y))
-    number = np.arange(nx * ny).reshape(ny, nx)
-    a, b, c, d = number[:-1, :-1], number[:-1, 1:], number[1:, 1:], number[1:, :-1]
-    faces = np.stack([a, b, c, a, c, d], axis=-1).reshape(-1, 3)
-    points = np.stack([x, y, HEIGHTS[name](x, y)[0]], axis=1)
-    inner = np.maximum(np.abs(x), np.abs(y)) < 0.5 - 4 / ny if ny > 16 else np.ones(len(x), bool)
-    return points, faces, lambda p: on_graph(p, HEIGHTS[name]), inner
-
-
-# --- estimators -------------------------------------------------------------------------------
-
-
-def ours(method: str, edges: float | None = None) -> Callable[[md.Mesh], Found]:
-    def estimate(mesh: md.Mesh) -> Found:
-        options: dict[str, Any] = {}
-        if edges is not None and method == "tensor":
-            options["normals"] = md.smooth_normals(mesh, edges * mesh.edge_length)
-        elif edges is not None:
-            options["radius"] = edges * mesh.edge_length
-        found = principal_curvatures(mesh, method=method, **options)
-        return found.k1, found.k2, None if method == "discrete" else found.d1
-
-    return estimate
-
-
-def libigl(mesh: md.Mesh) -> Found:
+    noisy = md.Mesh(
+        ball.vertices * (1 + 1e-3 * rng.normal(size=(len(ball.vertices), 1))), ball.faces
+    )
+    head("mean curvature of a unit sphere, 0.1 % noise, 10 k vertices", "5 %", "50 %", "95 %")
     import igl
 
-    d1, d2, k1, k2, _ = igl.principal_curvature(mesh.vertices, mesh.faces)
-    return k1, k2, np.where((np.abs(k1) >= np.abs(k2))[:, None], d1, d2)
-
-
-def vtk(mesh: md.Mesh) -> Found:
-    import pyvista as pv
-
-    poly = pv.PolyData.from_regular_faces(mesh.vertices, mesh.faces)
-    mean, gaussian = poly.curvature("mean"), poly.curvature("gaussian")
-    root = np.sqrt(np.maximum(mean**2 - gaussian, 0))
-    return mean + root, mean - root, None
-
-
-def pymeshlab(method: str) -> Callable[[md.Mesh], Found]:
-    def estimate(mesh: md.Mesh) -> Found:
-        import pymeshlab as pml
-
-        work = pml.MeshSet(verbose=False)
-        work.add_mesh(pml.Mesh(np.array(mesh.vertices), np.array(mesh.faces)))
-        values = []
-        for color in ("Min Curvature", "Max Curvature"):  # values come as one scalar at a time
-            work.compute_curvature_principal_directions_per_vertex(
-                method=method, curvcolormethod=color, autoclean=False
+    rivals = {"VTK": lambda: np.mean(vtk(noisy)[:2], axis=0)}
+    for edges in (2, 5):
+        rivals[f"libigl, ball of {edges} edges"] = lambda r=edges: np.mean(
+            igl.principal_curvature(noisy.vertices, noisy.faces, r, useKring=False)[2:4], axis=0
+        )
+        for width in (edges / 2, edges):
+            rivals[f"tensor, Gaussian of {width:g} edges"] = lambda w=width: np.mean(
+                ours("tensor", w)(noisy)[:2], axis=0
             )
-            values.append(work.current_mesh().vertex_scalar_array())
-        one, other = values
-        matrices = work.current_mesh()
-        d1 = matrices.vertex_curvature_principal_dir1_matrix()
-        d2 = matrices.vertex_curvature_principal_dir2_matrix()
-        return one, other, np.where((np.abs(one) >= np.abs(other))[:, None], d1, d2)
-
-    return estimate
+    for label, work in rivals.items():
+        row(label, *(f"{value:.3f}" for value in np.percentile(work(), [5, 50, 95])))
 
 
-ESTIMATORS: dict[str, tuple[Callable[[md.Mesh], Found], bool]] = {
-    "tensor": (ours("tensor"), False),
-    "tensor at 2 edges": (ours("tensor", 2), True),
-    "tensor at 4 edges": (ours("tensor", 4), True),
-    "quadric, 2 edges": (ours("quadric", 2), True),
-    "quadric, 5 edges": (ours("quadric", 5), True),
-    "discrete": (ours("discrete"), False),
-    "libigl, 5 rings": (libigl, True),
-    "VTK": (vtk, False),
-}
-if importlib.util.find_spec("pymeshlab"):
-    ESTIMATORS["PyMeshLab Taubin"] = (pymeshlab("Taubin approximation"), False)
-    ESTIMATORS["PyMeshLab quadric"] = (pymeshlab("Quadric Fitting"), True)
+# --- the plot ---------------------------------------------------------------------------------
+
+
+def plot(results, path: Path) -> None:
+    import matplotlib as mpl
+
+    mpl.use("agg")
+    from matplotlib import pyplot
+
+    figure, axes = pyplot.subplots(1, 3, figsize=(13, 4.6), layout="constrained")
+    for number, label in enumerate(ESTIMATORS):
+        theirs = label.split()[0] in {"libigl,", "VTK", "PyMeshLab"}
+        style = {"marker": "o", "ms": 4, "ls": ":" if theirs else "-", "color": f"C{number}"}
+        sizes = [n for n in SIZES if ("torus", n, "regular", 0.0, label) in results]
+        mean = [over_surfaces(results, label, n, "regular", 0.0, "mean") for n in sizes]
+        seconds = [over_surfaces(results, label, n, "regular", 0.0, "seconds", min) for n in sizes]
+        noisy = [
+            over_surfaces(results, label, 10_000, "regular", noise, "mean") for noise in NOISES
+        ]
+        axes[0].loglog(sizes, mean, **style, label=label)
+        axes[1].loglog([max(noise, 2e-5) for noise in NOISES], noisy, **style)
+        axes[2].loglog(sizes, seconds, **style)
+    axes[0].set(xlabel="vertices", ylabel="error of the mean curvature, %", title="without noise")
+    axes[1].set(xlabel="noise, edges (leftmost: none)", title="10,000 vertices")
+    axes[2].set(xlabel="vertices", ylabel="seconds", title=f"time, {thread_count()} cores")
+    for axis in axes:
+        axis.grid(visible=True, which="major", alpha=0.3)
+    figure.legend(loc="outside lower center", ncols=5, frameon=False)
+    figure.savefig(path, dpi=110)
+
+
+def main() -> None:
+    start = time.perf_counter()
+    for estimate, _ in ESTIMATORS.values():
+        estimate(surface("torus", 1_000).mesh)  # compile, load
+    print(f"{thread_count()} cores, {platform.processor() or platform.machine()}, Python "
+          f"{platform.python_version()}, meshdepict {md.__version__}.")  # fmt: skip
+    aims()
+    results = measured()
+    tables(results)
+    plot(results, ROOT / "docs" / "curvature_trade.png")
+    print(f"{time.perf_counter() - start:.0f} s in all", file=sys.stderr)
+
+
+if __name__ == "__main__":
+    main()

@@ -11,6 +11,7 @@ from meshdepict.errors import MeshdepictError
 from meshdepict.options import Range
 from meshdepict.scales import ScaleSpace
 from meshdepict.scene import as_light
+from meshdepict.shading.attention import remoteness
 from meshdepict.shading.method import Exposure, exposed, method
 
 __all__ = ["band_weights", "exaggerated", "local_light", "soft_toon"]
@@ -68,9 +69,22 @@ def exaggerated(
         float, Range(0, 1e30, help="steepness of the soft toon at every scale", soft=(1, 60))
     ] = 15.0,
     emphasis: Annotated[
-        float, Range(-4, 4, help="power of the width: −1 fine detail, 0 all scales alike", soft=(-1, 0))
+        float,
+        Range(-4, 4, help="power of the width: −1 fine detail, 0 all scales alike", soft=(-1, 0)),
     ] = -0.5,
     contrast: Annotated[float, Range(0, 1e6, help="sum of the scales' weights", soft=(0, 2))] = 1.0,
+    principal_strength: Annotated[
+        float,
+        Range(0, 1e6, help="how far light turns to the direction that bends most", soft=(0, 20)),
+    ] = 0.0,
+    focus: Annotated[
+        tuple[float, float, float] | None,
+        Range(help="x,y,z in world units: detail fades away from this point"),
+    ] = None,
+    radius: Annotated[
+        float | None,
+        Range(1e-300, help="how far from the focus the finest detail is kept, in world units"),
+    ] = None,
     exposure: Exposure = 1.0,
 ) -> NDArray[np.float32]:
     """Shade every scale under a light that grazes the next coarser one, and add them up.
@@ -93,6 +107,14 @@ def exaggerated(
         p in k_i ∝ σ_i^p.
     contrast : float
         Σ k_i.
+    principal_strength : float
+        Of eq. 9, s = principal_strength·σ_i²: sharpens the light's turn at ridges and valleys. 0
+        computes no curvature.
+    focus : (float, float, float), optional
+        Where attention is drawn to (fig. 9): at the distance d from it the weight k_i is
+        multiplied by exp(−½ (d/ρ_i)²), ρ_i = radius·2^{i/2}. The base coat stays.
+    radius : float, optional
+        In world units; a tenth of the shape's diagonal unless given.
     exposure : float
 
     Returns
@@ -108,10 +130,18 @@ def exaggerated(
     from meshdepict.shading.exaggerated_kernel import combine_bands
 
     if len(space.widths) < 2:
-        raise MeshdepictError("exaggerated shading needs at least one scale; make more with scales=9")
+        raise MeshdepictError(
+            "exaggerated shading needs at least one scale; make more with scales=9"
+        )
     direction = as_light(light).direction
     weights = band_weights(space.widths, space.ratio, emphasis=emphasis, contrast=contrast)
-    sums = combine_bands(space, direction, weights, exaggeration, SINGULAR_LIGHT)
+    far = None if focus is None else remoteness(space, focus, radius)
+    if principal_strength:
+        from meshdepict.shading.principal_light import combine_bent_bands
+
+        sums = combine_bent_bands(
+            space, direction, weights, exaggeration, SINGULAR_LIGHT, principal_strength, far
+        )
+    else:
+        sums = combine_bands(space, direction, weights, exaggeration, SINGULAR_LIGHT, far)
     return exposed((1 + sums) / 2, exposure)
-
-

@@ -22,18 +22,21 @@ def combine_bands(
     weights: NDArray[np.float64],
     exaggeration: float,
     singular: float,
+    remoteness: NDArray[np.float32] | None = None,
 ) -> NDArray[np.float32]:
     """Return k_b n_b·l + Σ_i k_i clamp(a n_i·l̂_{i+1}), not yet clipped.
 
-    With u_i = n_i·l eq. 4 gives n_i·l_{i+1} = u_i − (n_i·n_{i+1}) u_{i+1} and
-    ‖l_{i+1}‖² = 1 − u_{i+1}²: per scale three products with the light, and what does not depend
-    on the light (n_i·n_{i+1}) is kept by the scale space.
+    Where a `remoteness` (n,) is given, each k_i fades by exp(−remoteness / 2^i).
+
+    Single precision, like the normals. The projected light is formed as a vector, for
+    ‖l_{i+1}‖² = 1 − (n_{i+1}·l)² would lose its digits where the light stands along a normal.
     """
     count = len(space.points)
     sums = np.empty(count, np.float32)
     arguments = (
-        space._planes, space.turns, light.astype(np.float32), weights.astype(np.float32),
-        np.float32(exaggeration), np.float32(singular**2), sums,
+        space._planes, light.astype(np.float32), weights.astype(np.float32),
+        np.float32(exaggeration), np.float32(singular**2),
+        np.empty(0, np.float32) if remoteness is None else remoteness, sums,
     )  # fmt: skip
     pieces = thread_count() if count > 20_000 else 1
     each(lambda a, b: _combine(*arguments, a, b), spans(count, pieces))
@@ -41,27 +44,29 @@ def combine_bands(
 
 
 @njit(nogil=True, cache=True, fastmath={"contract", "reassoc", "arcp", "nsz"}, error_model="numpy")
-def _combine(planes, turns, light, weights, exaggeration, singular, sums, begin, end):  # type: ignore[no-untyped-def]
+def _combine(planes, light, weights, exaggeration, singular, remoteness, sums, begin, end):  # type: ignore[no-untyped-def]
     last = len(planes) - 1
     lx, ly, lz = light[0], light[1], light[2]
-    zero, one = np.float32(0), np.float32(1)
-    fine, total = np.empty(_BLOCK, np.float32), np.empty(_BLOCK, np.float32)
+    one = np.float32(1)
+    along, total = np.empty(_BLOCK, np.float32), np.empty(_BLOCK, np.float32)
+    share = np.ones(_BLOCK, np.float32)
     for start in range(begin, end, _BLOCK):
         count = min(_BLOCK, end - start)
-        x, y, z = planes[0, 0, start:], planes[0, 1, start:], planes[0, 2, start:]
-        for i in range(count):
-            fine[i] = x[i] * lx + y[i] * ly + z[i] * lz
-            total[i] = zero
+        total[:] = np.float32(0)
         for scale in range(last):
-            x, y, z = (
-                planes[scale + 1, 0, start:], planes[scale + 1, 1, start:], planes[scale + 1, 2, start:]
-            )  # fmt: skip
-            turn, k = turns[scale, start:], weights[scale]
+            k = weights[scale]
+            fine, coarse = planes[scale], planes[scale + 1]
+            fx, fy, fz = fine[0, start:], fine[1, start:], fine[2, start:]
+            nx, ny, nz = coarse[0, start:], coarse[1, start:], coarse[2, start:]
+            if len(remoteness) > 0:
+                for i in range(count):
+                    share[i] = math.exp(-remoteness[start + i] / np.float32(2**scale))
             for i in range(count):
-                coarse = x[i] * lx + y[i] * ly + z[i] * lz
-                length = math.sqrt(max(one - coarse * coarse, zero) + singular)
-                cosine = (fine[i] - turn[i] * coarse) / length
-                total[i] += k * max(-one, min(one, exaggeration * cosine))
-                fine[i] = coarse
+                cosine = nx[i] * lx + ny[i] * ly + nz[i] * lz
+                px, py, pz = lx - nx[i] * cosine, ly - ny[i] * cosine, lz - nz[i] * cosine
+                length = math.sqrt(px * px + py * py + pz * pz + singular)
+                detail = exaggeration * (fx[i] * px + fy[i] * py + fz[i] * pz) / length
+                total[i] += k * share[i] * max(-one, min(one, detail))
+                along[i] = cosine
         for i in range(count):
-            sums[start + i] = total[i] + weights[last] * fine[i]
+            sums[start + i] = total[i] + weights[last] * along[i]

@@ -1,0 +1,88 @@
+"""Accessibility (Miller, SIGGRAPH 1994): how large a ball can touch the surface."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from meshdepict.options import Range
+from meshdepict.scales import ScaleSpace
+from meshdepict.shading.method import Exposure, exposed, method
+
+__all__ = ["accessibility", "accessible_radii"]
+
+Floats = NDArray[np.float64]
+
+# A ball shrinks by more than this at a step, or it has the final size: rounding of squares.
+_SHRINKS = 1e-9
+
+
+def accessible_radii(points: Floats, normals: Floats, cap: float) -> Floats:
+    """Return the radius of the largest ball that touches each point from outside.
+
+    The ball at x_i with its centre on the normal holds no other point:
+    ``r_i = min over x_j with n·d > 0 of ‖d‖² / (2 n·d)``, d = x_j − x_i, at most the cap. Found
+    exactly: the point nearest to the centre of a ball that is too large gives the next, smaller
+    ball, until none is nearer than the surface point itself.
+
+    Parameters
+    ----------
+    points, normals : (n, 3) array
+        Unit normals.
+    cap : float
+        Largest radius, > 0, in the units of the points.
+
+    Returns
+    -------
+    (n,) array
+    """
+    from scipy.spatial import KDTree
+
+    from meshdepict.threads import thread_count
+
+    tree = KDTree(points)
+    radii = np.full(len(points), float(cap))
+    moving = np.arange(len(points))
+    while len(moving):
+        centre = points[moving] + radii[moving, None] * normals[moving]
+        _, nearest = tree.query(centre, workers=thread_count())
+        d = points[nearest] - points[moving]
+        above = np.einsum("ij,ij->i", normals[moving], d)
+        squared = np.einsum("ij,ij->i", d, d)
+        smaller = squared < (1 - _SHRINKS) * 2 * radii[moving] * above
+        moving = moving[smaller]
+        radii[moving] = squared[smaller] / (2 * above[smaller])
+    return radii
+
+
+@method(source="Accessibility (Miller 1994)")
+def accessibility(
+    space: ScaleSpace,
+    light: Any,
+    *,
+    cap: Annotated[
+        float,
+        Range(1e-6, 10, help="radius shaded white, in diagonals of the object", soft=(0.005, 0.2)),
+    ] = 0.05,
+    exposure: Exposure = 1.0,
+) -> NDArray[np.float32]:
+    """Shade by the size of the largest ball that can touch a point: pits and cracks are dark.
+
+    Parameters
+    ----------
+    space : ScaleSpace
+    light : object
+        Not used.
+    cap : float
+    exposure : float
+
+    Returns
+    -------
+    (n,) array of float32
+        Display values in [0, 1].
+    """
+    del light
+    radii = accessible_radii(space.shape._unit_points, space.shape.normals, cap)
+    return exposed((radii / cap).astype(np.float32), exposure)

@@ -1,0 +1,142 @@
+"""Direct light on a material: the terms of all lights, warped and scaled where asked for."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from meshdepict.errors import MeshdepictError
+from meshdepict.material import (
+    AshikhminShirley,
+    CookTorrance,
+    HalfLambert,
+    Lambert,
+    Material,
+    Phong,
+    SubLambert,
+    Toon,
+    diffuse_term,
+    soft_steps,
+    specular_term,
+)
+from meshdepict.scales import ScaleSpace
+from meshdepict.scene import Light
+from meshdepict.shading.features import Frames, Scaling
+
+__all__ = ["direct", "kernel_colors", "kernel_parameters", "quantised", "squeezed"]
+
+_FEW = 2  # lights that plain arrays are as good for
+
+
+def direct(
+    space: ScaleSpace,
+    lights: Sequence[Light],
+    eyes: NDArray[np.float32],
+    material: Material,
+    *,
+    frames: Frames | None = None,
+    warping: float = 0.0,
+    scaling: Scaling = Scaling(),  # noqa: B008 (immutable)
+) -> NDArray[np.float32]:
+    """Return diffuse plus specular light, before exposure.
+
+    Parameters
+    ----------
+    space : ScaleSpace
+    lights : sequence of Light
+    eyes : (3, n) or (3, 1) array
+        Towards the eye.
+    material : Material
+        One that lights shine on.
+    frames : Frames, optional
+        Curvature, needed for the next two.
+    warping : float
+        Magnitude α of Light Warping.
+    scaling : Scaling
+
+    Returns
+    -------
+    (n,) array, (n, 3) where a light is coloured
+    """
+    kind, parameters = kernel_parameters(material)
+    if frames is None and len(lights) <= _FEW:
+        return _few(space, lights, eyes, material)
+
+    from meshdepict.shading.lights_kernel import sum_lights
+
+    directions = np.array([light.direction for light in lights], np.float32)
+    return squeezed(
+        sum_lights(
+            space._planes[0], eyes, directions, kernel_colors([light.color for light in lights]),
+            kind, parameters, frames=frames, warping=warping, scaling=scaling,
+        )
+    )  # fmt: skip
+
+
+def _few(
+    space: ScaleSpace, lights: Sequence[Light], eyes: NDArray[np.float32], material: Material
+) -> NDArray[np.float32]:
+    """Do the same by arrays: in a fresh process the kernel takes longer to load than this."""
+    normals, eye = space.normals[0], eyes.T
+    colors = kernel_colors([light.color for light in lights])
+    total = np.zeros((len(normals), colors.shape[1]), np.float32)
+    for light, color in zip(lights, colors, strict=True):
+        direction = light.direction.astype(np.float32)
+        value = diffuse_term(material, normals, direction, eye)
+        total += (value + specular_term(material, normals, direction, eye))[:, None] * color
+    return squeezed(total)
+
+
+def kernel_parameters(material: Material) -> tuple[int, NDArray[np.float32]]:
+    """Return a material as the kernel takes it: its kind, and diffuse, specular, exponent.
+
+    Raises
+    ------
+    MeshdepictError
+        For a material that shows an environment or a painting instead of lights.
+    """
+    m: Any = material
+    match m:
+        case Lambert():
+            found: tuple[Any, ...] = (0, m.diffuse, 0, 0)
+        case Toon():
+            found = (0, 1, 0, 0)
+        case HalfLambert():
+            found = (1, m.diffuse, 0, 0)
+        case SubLambert():
+            found = (2, m.diffuse, 0, m.flatness)
+        case Phong():
+            found = (3, m.diffuse, m.specular, m.shininess)
+        case CookTorrance():
+            found = (4, m.diffuse, m.reflectance, m.roughness)
+        case AshikhminShirley():
+            found = (5, m.diffuse, m.reflectance, m.shininess)
+        case _:
+            raise MeshdepictError(
+                f"lights don't shine on {type(material).__name__}: give an Environment as the light"
+            )
+    return found[0], np.array(found[1:], np.float32)
+
+
+def kernel_colors(colors: Sequence[Any]) -> NDArray[np.float32]:
+    """Return colours (k, 3), or (k, 1) where all are gray."""
+    array = np.array(colors, np.float32)
+    gray = (array == array[:, :1]).all()
+    return np.ascontiguousarray(array[:, :1]) if gray else array
+
+
+def squeezed(values: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Return (n,) for a single channel."""
+    return values[:, 0] if values.ndim == 2 and values.shape[1] == 1 else values
+
+
+def quantised(values: NDArray[Any], material: Material, exposure: float) -> NDArray[Any]:
+    """Return the shading in soft steps where the material is a toon: after exposure, as seen."""
+    if not isinstance(material, Toon):
+        return values
+    shown = np.clip(values * np.float32(exposure), 0, 1)
+    steps = soft_steps(shown, bins=material.bins, sharpness=material.sharpness)
+    return steps / np.float32(max(exposure, 1e-30))

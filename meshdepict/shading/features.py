@@ -1,0 +1,199 @@
+"""What Light Warping and Radiance Scaling respond to: curvature at every point, in a frame."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from meshdepict.errors import MeshdepictError
+from meshdepict.material import MATERIALS, Material
+from meshdepict.options import Choice, Range
+from meshdepict.scales import ScaleSpace
+from meshdepict.scene import View, as_view, named_directions
+
+__all__ = [
+    "Bins",
+    "CurvatureKind",
+    "Frames",
+    "Gain",
+    "LightCount",
+    "Magnitude",
+    "MaterialName",
+    "Parameter",
+    "Scale",
+    "Scaling",
+    "convexity",
+    "eyes",
+    "features",
+    "sight",
+    "width_at",
+]
+
+Single = NDArray[np.float32]
+
+CurvatureKind = Annotated[
+    str, Choice(("object", "view"), help="of the surface itself, or of the depth seen by the view")
+]
+Scale = Annotated[int, Range(0, 64, help="which set of normals curvature is of", soft=(0, 8))]
+Gain = Annotated[
+    float | None,
+    Range(0, 1e30, help="factor on curvature; object 0.7, view 2.5 if none", soft=(0, 10)),
+]
+
+LightCount = Annotated[
+    int, Range(1, 65536, help="lights that an environment is sampled into", soft=(16, 256))
+]
+MaterialName = Annotated[
+    str | Material, Choice(tuple(MATERIALS), help="what light does", also=tuple(MATERIALS.values()))
+]
+Magnitude = Annotated[float | None, Range(0, 1e30, help="γ of this term", soft=(0, 20))]
+Parameter = Annotated[float | None, Range(0, 1e6, help="of the material, in place of its own")]
+Bins = Annotated[int | None, Range(1, 256, help="tones of the toon material", soft=(2, 16))]
+
+# Curvature is counted per width (object) or per pixel (view). The defaults were chosen by looking
+# at the bunny, the armadillo and Lucy (36,000 to 50,000 vertices): see radiance_scaling.
+DEFAULT_GAIN = {"object": 0.7, "view": 2.5}
+
+
+class Frames(NamedTuple):
+    """Curvature at every point, concave positive, and the frame it refers to.
+
+    Attributes
+    ----------
+    ku, kv : (n,) array
+    u, v, z : (n, 3) array
+        Orthonormal, in world space.
+    """
+
+    ku: Single
+    kv: Single
+    u: Single
+    v: Single
+    z: Single
+
+
+class Scaling(NamedTuple):
+    """Radiance Scaling's parameters; magnitudes of 0 scale nothing."""
+
+    diffuse: float = 0.0
+    specular: float = 0.0
+    invariant: float = 0.5
+    anisotropy: float = 0.0
+
+
+def features(
+    space: ScaleSpace,
+    view: View,
+    *,
+    curvature: str,
+    scale: int,
+    gain: float | None,
+    importance: ArrayLike | None = None,
+) -> Frames:
+    """Return curvature times gain, concave positive, with its directions.
+
+    Parameters
+    ----------
+    space : ScaleSpace
+    view : View
+        Asked for view curvature, and for nothing else.
+    curvature : {"object", "view"}
+        "object": κ_{u|v} = −gain·width·κ_{1|2} in the frame (d_1, d_2, n), whatever the view.
+        "view": per pixel, faded out at silhouettes and creases, in the frame (u, v, towards the
+        eye). Points that face away from the eye, which it cannot say anything about, get the first.
+    scale : int
+        Whose normals' curvature.
+    gain : float, optional
+    importance : (n,) array_like in [0, 1], optional
+        Where fine detail matters (Light Warping's I(p)): `scale` at 1, the coarsest one at 0.
+
+    Returns
+    -------
+    Frames
+
+    Raises
+    ------
+    MeshdepictError
+        For a scale that the space does not have, or an importance of another shape or range.
+    """
+    if importance is None:
+        return _at_scale(space, view, curvature, scale, gain)
+    wanted = _chosen(importance, len(space.points), scale, len(space.widths) - 1)
+    found = _at_scale(space, view, curvature, scale, gain)
+    for coarser in np.unique(wanted[wanted > scale]):
+        here = wanted == coarser
+        for mine, other in zip(
+            found, _at_scale(space, view, curvature, int(coarser), gain), strict=True
+        ):
+            mine[here] = other[here]
+    return found
+
+
+def convexity(
+    space: ScaleSpace, view: View, *, curvature: str, scale: int, gain: float | None
+) -> NDArray[np.float32]:
+    """Return κ = tanh(−(κ_u + κ_v)) of `features`: −1 in hollows, 0 where flat, 1 on bumps."""
+    frames = features(space, view, curvature=curvature, scale=scale, gain=gain)
+    return np.tanh(-(frames.ku + frames.kv))
+
+
+def sight(view: View | str, space: ScaleSpace, *, fitted: bool) -> View:
+    """Return the view; a named one is fitted to the shape only where pixels count."""
+    if fitted or isinstance(view, View):
+        return as_view(view, space.shape)
+    towards, up = named_directions(view)
+    return View(towards, (0, 0, 0), up, parallel_scale=1.0, name=view)
+
+
+def eyes(space: ScaleSpace, view: View) -> NDArray[np.float32]:
+    """Return unit vectors to the eye, (3, 1) of a parallel view, else (3, n)."""
+    if view.parallel_scale is not None:
+        return view.towards_eye.astype(np.float32)[:, None]
+    away = view.position - space.points
+    length = np.linalg.norm(away, axis=1, keepdims=True)
+    away = np.where(length > 0, away / np.where(length > 0, length, 1), view.towards_eye)
+    return np.ascontiguousarray(away.T, np.float32)
+
+
+def width_at(space: ScaleSpace, scale: int) -> float:
+    """Return a scale's width; for the unsmoothed one σ_0, or without any scale the median edge."""
+    return float(space.widths[scale]) or space.finest_width or float(space.shape.edge_length)
+
+
+def _at_scale(
+    space: ScaleSpace, view: View, curvature: str, scale: int, gain: float | None
+) -> Frames:
+    """Return the features of one scale in arrays of their own."""
+    share = 1.0 if gain is None else gain / DEFAULT_GAIN[curvature]
+    own = space.curvature(scale)
+    factor = -share * DEFAULT_GAIN["object"] * width_at(space, scale)
+    frames = Frames(
+        _single(factor * own.k1), _single(factor * own.k2), np.array(own.d1), np.array(own.d2),
+        np.array(space.normals[scale], order="C"),
+    )  # fmt: skip
+    if curvature == "object":
+        return frames
+    seen = space.view_curvature(view, scale)
+    weight = (share * DEFAULT_GAIN["view"]) * seen.weight.astype(np.float64)
+    facing = np.einsum("an,an->n", space._planes[scale], eyes(space, view)) >= 0
+    visible = Frames(
+        _single(seen.ku * weight), _single(seen.kv * weight), seen.u, seen.v,
+        np.cross(seen.u, seen.v),
+    )  # fmt: skip
+    for mine, other in zip(frames, visible, strict=True):
+        mine[facing] = other[facing]
+    return frames
+
+
+def _single(values: NDArray[Any]) -> NDArray[np.float32]:
+    """Return float32, kept from overflowing: products with any magnitude must not be NaN."""
+    return np.clip(values, -1e30, 1e30).astype(np.float32)
+
+
+def _chosen(importance: ArrayLike, count: int, scale: int, last: int) -> NDArray[np.intp]:
+    share = np.asarray(importance, np.float64)
+    if share.shape != (count,) or not ((share >= 0) & (share <= 1)).all():
+        raise MeshdepictError(f"importance must be {count:,} numbers from 0 to 1, one per point")
+    return np.rint(last - share * (last - scale)).astype(np.intp)

@@ -1,0 +1,64 @@
+"""Normal enhancement (Cignoni, Scopigno and Tarini, Computers & Graphics 2005)."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from meshdepict.errors import MeshdepictError
+from meshdepict.options import Range
+from meshdepict.scales import ScaleSpace
+from meshdepict.scene import as_light
+from meshdepict.shading.method import Exposure, exposed, method
+
+__all__ = ["enhanced_normals", "normal_enhancement"]
+
+
+def enhanced_normals(normals: ArrayLike, smoothed: ArrayLike, amount: float) -> NDArray[Any]:
+    """Return normalise(n + k (n − n_σ)) for unit normals (…, 3), n itself where that vanishes."""
+    n, smooth = np.asarray(normals), np.asarray(smoothed)
+    away = n + n.dtype.type(amount) * (n - smooth)
+    length = np.linalg.norm(away, axis=-1, keepdims=True)
+    return np.where(length > 0, away / np.where(length > 0, length, 1), n)
+
+
+@method(scales=5, linear=True, source="Normal enhancement (Cignoni et al. 2005)")
+def normal_enhancement(
+    space: ScaleSpace,
+    light: Any,
+    *,
+    amount: Annotated[
+        float, Range(0, 1e3, help="k: how far normals are turned", soft=(0, 5))
+    ] = 1.5,
+    exposure: Exposure = 1.0,
+) -> NDArray[np.float32]:
+    """Shade by Lambert's cosine with normals that are turned away from the smoothed ones.
+
+    Parameters
+    ----------
+    space : ScaleSpace
+        With at least one scale; the coarsest normals are the smoothed ones.
+    light : str, (3,) array_like, (azimuth, elevation) or Light
+    amount : float
+        k of normalise(n + k (n − n_σ)).
+    exposure : float
+
+    Returns
+    -------
+    (n,) array of float32
+        Linear values in [0, 1].
+
+    Raises
+    ------
+    MeshdepictError
+        If the scale space has no smoothed scale.
+    """
+    if len(space.widths) < 2:
+        raise MeshdepictError(
+            "normal enhancement needs at least one scale; make more with scales=5"
+        )
+    normals = enhanced_normals(space.normals[0], space.normals[-1], amount)
+    cosine = normals @ as_light(light).direction.astype(np.float32)
+    return exposed(np.maximum(cosine, 0), exposure)

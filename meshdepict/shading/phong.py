@@ -1,0 +1,57 @@
+"""Phong shading: ambient, diffuse and a highlight."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from meshdepict.material import Phong
+from meshdepict.options import Range
+from meshdepict.scales import ScaleSpace
+from meshdepict.scene import View, as_lights
+from meshdepict.shading.direct import direct
+from meshdepict.shading.features import eyes, sight
+from meshdepict.shading.method import Exposure, exposed, method
+
+__all__ = ["phong"]
+
+
+@method(linear=True, source="Phong, Illumination for Computer Generated Pictures, 1975")
+def phong(
+    space: ScaleSpace,
+    light: Any,
+    *,
+    view: View | str = "front",
+    ambient: Annotated[float, Range(0, 1, help="light that comes from everywhere")] = 0.1,
+    diffuse: Annotated[float, Range(0, 1, help="weight of n·l")] = 0.7,
+    specular: Annotated[float, Range(0, 1, help="weight of the highlights")] = 0.3,
+    shininess: Annotated[
+        float, Range(0, 1e6, help="exponent of the highlights", soft=(1, 100))
+    ] = 20.0,
+    exposure: Exposure = 1.0,
+) -> NDArray[np.float32]:
+    """Shade by ambient + diffuse · n·l + specular · (r·l)^shininess, r the reflected view.
+
+    Points that face away from the eye are shaded for the eye mirrored in their tangent plane.
+
+    Parameters
+    ----------
+    space : ScaleSpace
+    light : light, or several
+        As in `meshdepict.scene.as_lights`.
+    view : View or str
+        Where the eye is.
+    ambient, diffuse, specular, shininess : float
+    exposure : float
+
+    Returns
+    -------
+    (n,) array, (n, 3) where a light is coloured
+        Linear values in [0, 1].
+    """
+    eye = sight(view, space, fitted=False)
+    material = Phong(ambient, diffuse, specular, shininess)
+    shaded = direct(space, as_lights(light, eye), eyes(space, eye), material)
+    return exposed(shaded + np.float32(ambient), exposure)

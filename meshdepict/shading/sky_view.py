@@ -1,0 +1,51 @@
+"""Sky view: soft light and soft shadows from a part of the sky."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from meshdepict.occlusion import sky_openness
+from meshdepict.options import Range
+from meshdepict.scales import ScaleSpace
+from meshdepict.scene import as_light
+from meshdepict.shading.ambient_occlusion import Rays
+from meshdepict.shading.method import Exposure, exposed, method
+
+__all__ = ["sky_view"]
+
+
+@method(source="Sky-view factor (Zakšek, Oštir and Kokalj 2011); directional occlusion")
+def sky_view(
+    space: ScaleSpace,
+    light: Any,
+    *,
+    spread: Annotated[
+        float, Range(1, 90, unit="°", help="half the opening of the cap of sky round the light")
+    ] = 90.0,
+    rays: Rays = 256,
+    exposure: Exposure = 1.0,
+) -> NDArray[np.float32]:
+    """Shade under an evenly bright cap of sky round the light: soft shadows, no black but in caves.
+
+    A spread of 90° is half the sky, the sky-view factor of relief maps where the light stands
+    overhead; a small one is directional occlusion, a sun with soft shadows.
+
+    Parameters
+    ----------
+    space : ScaleSpace
+    light : str, (3,) array_like, (azimuth, elevation) or Light
+        The middle of the sky.
+    spread : float
+    rays : int
+    exposure : float
+
+    Returns
+    -------
+    (n,) array of float32
+        Display values in [0, 1]; 1 for an open surface that faces the light.
+    """
+    towards = as_light(light).direction
+    return exposed(sky_openness(space.shape, towards, spread=spread, rays=rays).values, exposure)
