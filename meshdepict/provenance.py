@@ -43,6 +43,9 @@ def describe(
 
     mesh = space.shape
     values = {name: options.get(name, o.default) for name, o in options_of(function).items()}
+    occlusion = [
+        f"{rays} rays, rms error {error:.2g}" for rays, error in space.occlusion_errors.items()
+    ]
     return {
         "version": str(__version__),
         "method": function.__name__,
@@ -50,6 +53,7 @@ def describe(
             f"{name}={as_text(value)}" for name, value in values.items() if value is not None
         ),
         "scales": _scales(space),
+        **({"occlusion": "; ".join(occlusion)} if occlusion else {}),
         "light": str(light),
         "view": f"{view}, up {up}" if isinstance(view, str) else str(view),
         "colormap": colormap or "gray",

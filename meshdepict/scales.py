@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +18,7 @@ from meshdepict.smoothing import NormalSums
 if TYPE_CHECKING:
     from meshdepict.curvature import PrincipalCurvatures, ViewCurvature
     from meshdepict.mesh import Mesh
+    from meshdepict.occlusion import Openness
     from meshdepict.scene import View
 
 __all__ = ["ScaleSpace", "resolve_width", "scale_space", "smooth_normals"]
@@ -68,7 +69,7 @@ class ScaleSpace:
         self._planes.setflags(write=False)
         self._curvatures: dict[int, PrincipalCurvatures] = {}
         self._creases: dict[int, NDArray[np.float32]] = {}
-        self._openness: dict[int, NDArray[np.float32]] = {}
+        self._openness: dict[int, Openness] = {}
 
     @property
     def normals(self) -> NDArray[np.float32]:
@@ -134,9 +135,14 @@ class ScaleSpace:
         from meshdepict.occlusion import ambient_openness
 
         if rays not in self._openness:
-            self._openness[rays] = ambient_openness(self.shape, rays=rays).values
-            self._openness[rays].setflags(write=False)
-        return self._openness[rays]
+            self._openness[rays] = ambient_openness(self.shape, rays=rays)
+            self._openness[rays].values.setflags(write=False)
+        return self._openness[rays].values
+
+    @property
+    def occlusion_errors(self) -> dict[int, float]:
+        """Root mean square error of the occlusion computed so far, by the number of rays."""
+        return {rays: openness.error for rays, openness in self._openness.items()}
 
     def __repr__(self) -> str:
         """Return the number of samples and the range of widths."""

@@ -1,4 +1,4 @@
-"""Smoothing of a mesh's normals: Gaussian sums weighted by area and facing, and their directions."""
+"""Smoothing of a mesh's normals: Gaussian sums weighted by area and facing, their directions."""
 
 from __future__ import annotations
 

@@ -70,3 +70,9 @@ def test_the_digest_depends_on_every_coordinate_and_corner(small):
     turned = small.faces.copy()
     turned[7] = np.roll(turned[7], 1)
     assert digest(Mesh(small.vertices, turned)) != digest(small)
+
+
+def test_occlusion_states_its_error(small):
+    baked = bake(small, "ambient_occlusion", rays=16)
+    assert baked.provenance["occlusion"].startswith("16 rays, rms error ")
+    assert "occlusion" not in bake(small, "lambert").provenance
