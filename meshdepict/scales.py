@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -69,6 +69,7 @@ class ScaleSpace:
         self._planes.setflags(write=False)
         self._curvatures: dict[int, PrincipalCurvatures] = {}
         self._creases: dict[int, NDArray[np.float32]] = {}
+        self._seen: dict[tuple[int, float], tuple[tuple[Any, ...], ViewCurvature]] = {}
         self._openness: dict[int, Openness] = {}
 
     @property
@@ -99,19 +100,34 @@ class ScaleSpace:
     def view_curvature(
         self, view: View | str, scale: int = 1, *, foreshortening: float = 1.0
     ) -> ViewCurvature:
-        """Return the curvature of a scale as an eye sees it; see `curvature.view_curvature`."""
+        """Return the curvature of a scale as an eye sees it; see `curvature.view_curvature`.
+
+        The last view's is kept for every scale and foreshortening. Its arrays are read-only.
+        """
         from meshdepict.curvature.creases import neighbour_cosines
         from meshdepict.curvature.view import view_tensor
         from meshdepict.scene import as_view
 
         scale = self._checked_scale(scale)
+        eye = as_view(view, self.shape)
+        sight = (
+            *eye.position, *eye.focus, *eye.up,
+            eye.height_px, eye.field_of_view, eye.parallel_scale,
+        )  # fmt: skip
+        former, seen = self._seen.get((scale, foreshortening), (None, None))
+        if seen is not None and former == sight:
+            return seen
         normals = self.normals[scale]
         if scale not in self._creases:
             self._creases[scale] = neighbour_cosines(self.shape, normals)
-        return view_tensor(
-            self.points, normals, self.curvature(scale), self._creases[scale],
-            as_view(view, self.shape), foreshortening=foreshortening,
+        seen = view_tensor(
+            self.points, normals, self.curvature(scale), self._creases[scale], eye,
+            foreshortening=foreshortening,
         )  # fmt: skip
+        for array in seen:
+            array.setflags(write=False)
+        self._seen[scale, foreshortening] = sight, seen
+        return seen
 
     def _checked_scale(self, scale: int) -> int:
         last = len(self.widths) - 1

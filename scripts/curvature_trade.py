@@ -188,11 +188,11 @@ def aims() -> None:
 
     rivals = {"VTK": lambda: np.mean(vtk(noisy)[:2], axis=0)}
     for edges in (2, 5):
-        rivals[f"libigl, ball of {edges} edges"] = lambda r=edges: np.mean(
+        rivals[f"libigl, ball of {edges} × edge"] = lambda r=edges: np.mean(
             igl.principal_curvature(noisy.vertices, noisy.faces, r, useKring=False)[2:4], axis=0
         )
         for width in (edges / 2, edges):
-            rivals[f"tensor, Gaussian of {width:g} edges"] = lambda w=width: np.mean(
+            rivals[f"tensor, Gaussian of {width:g} × edge"] = lambda w=width: np.mean(
                 ours("tensor", w)(noisy)[:2], axis=0
             )
     for label, work in rivals.items():

@@ -21,6 +21,7 @@ ORDER = [
     "smoothing",
     "curvature",
     "scales",
+    "lights",
     "scene equirectangular environment material",
     "occlusion",
     "shading",

@@ -7,8 +7,8 @@ into its own tangent plane and averages them with its Voronoi shares of their ar
 
 One departure: a face is what is seen of it along the mean of its corners' normals. For a mesh's
 own normals that is the face itself. For smoothed ones it is its share of the smooth surface, whose
-curvature is wanted; the planes of a rough surface's own faces would lower it by the square of the
-cosine of their slopes (measured on a sphere with slopes of 25°: by 23 %, the other way by 0.1 %).
+curvature is wanted; within the planes of a rough surface's faces it comes out too low by the square
+of the cosine of their slopes (a sphere whose faces tilt by 40°: 23 % too low, this way 0.1 %).
 """
 
 from __future__ import annotations

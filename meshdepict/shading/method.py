@@ -56,7 +56,7 @@ def method(
         name, others = function.__name__, inspect.signature(function).parameters
 
         @functools.wraps(function)
-        def shade(space: Any, light: Any, **given: Any) -> Any:
+        def shade(space: Any, light: Any = None, **given: Any) -> Any:
             if not hasattr(space, "widths"):
                 raise MeshdepictError(
                     f"{name} shades a ScaleSpace, not a {type(space).__name__}: make one with "
