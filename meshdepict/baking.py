@@ -61,7 +61,9 @@ class Baked:
     @property
     def comments(self) -> list[str]:
         """The provenance as lines for a file's header."""
-        return [f"meshdepict {key}: {text}" for key, text in self.provenance.items()]
+        lines = [f"meshdepict {key}: {text}" for key, text in self.provenance.items()]
+        # Headers that go beyond ASCII are more than VTK and several PLY readers take.
+        return [line.encode("ascii", "backslashreplace").decode() for line in lines]
 
     def save(self, path: str | Path) -> Path:
         """Write the shape with its colours; the suffix decides the format.

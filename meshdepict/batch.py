@@ -83,9 +83,10 @@ class Batch:
         check_settings(self.settings)
         if len(self.inputs) > 1:
             for option, folder in (("-o", self.output), ("--picture", self.picture)):
-                if folder is not None and not isdir(folder):
+                if folder is not None and not (isdir(folder) or _names_folder(folder)):
                     raise MeshdepictError(
-                        f"{option} {folder} is no existing folder: several meshes need one"
+                        f"{option} {folder} is no existing folder: several meshes need one "
+                        "(end the name with / and it is made)"
                     )
         sources: Sequence[Path | None] = self.inputs or [None]
         jobs: dict[str, Job] = {}  # by the file that they write
@@ -95,7 +96,7 @@ class Batch:
                 twin = jobs.setdefault(realpath(job.output), job)
                 if twin is not job:
                     raise MeshdepictError(
-                        f"{source} would become {job.output} as {twin.source} does: bake it alone"
+                        f"{source} would become {job.output} as {twin.source} does: name its output with -o"
                     )
             except MeshdepictError as error:
                 complain(error)
@@ -108,6 +109,9 @@ class Batch:
                 complain(about(job.source, error))
             except MemoryError:
                 complain(about(job.source, _MEMORY))
+            except Exception as error:  # a fault of this program's: the other files go on
+                text = f"an unexpected fault, please report it ({type(error).__name__}: {error})"
+                complain(about(job.source, MeshdepictError(text)))
         if len(sources) > 1 and not self.quiet:
             complain(f"{done} of {len(sources)} baked")
         return len(sources) - done
@@ -193,9 +197,19 @@ def _target(given: str, name: str, option: str) -> Path:
     path = Path(given)
     if isdir(path):
         return path / name
-    if given.endswith(("/", os.sep)):
-        raise MeshdepictError(f"{option} {given}: there is no such folder; make it first")
+    if _names_folder(given):
+        try:
+            path.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise MeshdepictError(
+                f"{option} {given}: the folder can't be made ({error.strerror})"
+            ) from None
+        return path / name
     return path
+
+
+def _names_folder(given: str) -> bool:
+    return given.endswith(("/", os.sep))
 
 
 def _check_format(path: Path) -> None:
@@ -223,7 +237,8 @@ def _caption(job: Job, baked: Baked, seconds: float) -> str:
     count, *rest = baked.provenance["scales"].split(", ")
     parts = [f"{job.output}: {baked.provenance['method']}", f"light {light}"]
     if rest:
-        parts.append(f"{count} {rest[0]}")
+        widths = rest[0] if count != "1" else rest[0].replace("widths", "width").split(" to ")[0]
+        parts.append(f"{count} {widths}")
     if job.picture:
         parts.append(f"picture {job.picture}")
     return ", ".join([*parts, f"{seconds:.1f} s"])

@@ -172,7 +172,8 @@ def bake(
     method
         How to shade: meshdepict methods lists what there is.
     light
-        A name (north, northeast, … northwest, front), azimuth,elevation in degrees, or x,y,z.
+        A name (north, northeast, … northwest, front), azimuth,elevation in degrees, x,y,z, or a
+        panorama.hdr; several, where a method takes them, parted by semicolons.
     view
         Where names of lights and the picture look from: front, back, left, right, top, bottom or
         isometric.
@@ -269,8 +270,10 @@ def info(
     return _FAULT if failed else 0
 
 
-def _light(text: str) -> str | tuple[float, ...]:
-    """Return a light's name, its angles or its direction."""
+def _light(text: str) -> Any:
+    """Return a light's name, its angles or its direction; several where semicolons part them."""
+    if ";" in text:
+        return [_light(part.strip()) for part in text.split(";") if part.strip()]
     if "," not in text:
         return text
     try:

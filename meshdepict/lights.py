@@ -153,7 +153,7 @@ def as_light(light: Any, view: View | None = None) -> Light:
     numbers = numbers_of(light)
     if numbers.shape == (2,):
         azimuth, elevation = (float(x) for x in numbers)
-        name = f"azimuth {azimuth:g}° elevation {elevation:g}°"
+        name = f"azimuth {azimuth:g} elevation {elevation:g}"  # ASCII: captions go into headers
         return Light(_from_angles(azimuth, elevation) @ frame, name)
     if numbers.shape == (3,):
         return Light(light)

@@ -63,7 +63,7 @@ def main() -> None:
             axes.loglog(COUNTS, values, style, label=f"{label}, {curvature} curvature")
             print(f"{label}, {curvature}: " + "  ".join(f"{v:.2g}" for v in values))
     axes.axhline(1 / 255, color="grey", lw=0.8)
-    axes.text(COUNTS[0], 1.05 / 255, "a grey level", color="grey", size=8)
+    axes.text(COUNTS[-1], 1.1 / 255, "a grey level", color="grey", size=8, ha="right")
     axes.set(xlabel="lights, or directions", ylabel="difference from eq. 1 (rms)")
     axes.legend(frameon=False, fontsize=8)
     figure.savefig(OUTPUT, dpi=120)

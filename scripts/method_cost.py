@@ -42,10 +42,12 @@ class Costs:
     clock: list[float] = field(default_factory=list)
     processor: list[float] = field(default_factory=list)
 
-    def run(self, *words: str) -> None:
+    def run(self, *words: str, bytecode: Path) -> None:
         """Run Python with these words and add what it took."""
+        env = {key: value for key, value in os.environ.items() if key != "PYTHONDONTWRITEBYTECODE"}
+        env["PYTHONPYCACHEPREFIX"] = str(bytecode)  # compiled before, as in an installed package
         before, start = os.times(), time.perf_counter()
-        subprocess.run([sys.executable, *words], check=True, stdout=subprocess.DEVNULL)
+        subprocess.run([sys.executable, *words], check=True, env=env, stdout=subprocess.DEVNULL)
         self.clock.append(time.perf_counter() - start)
         after = os.times()
         self.processor.append(
@@ -58,19 +60,19 @@ def median_difference(a: list[float], b: list[float]) -> float:
     return statistics.median(x - y for x, y in zip(a, b, strict=True))
 
 
-def measure(mesh: Path, method: str, output: Path, runs: int) -> tuple[Costs, Costs]:
+def measure(mesh: Path, method: str, folder: Path, runs: int) -> tuple[Costs, Costs]:
     """Return the costs of the method and of its baseline, run in turns after one of each."""
     declared = declaration(METHODS[method])
-    words = ["bake", str(mesh), "-o", str(output), "--force", "--quiet", "-m"]
+    words = ["bake", str(mesh), "-o", str(folder / "out.ply"), "--force", "--quiet", "-m"]
     cases = (
         (Costs(), ["-m", "meshdepict", *words, method]),
         (Costs(), ["-c", BASELINE, str(declared.scales), str(declared.ratio), *words, "lambert"]),
     )
-    for _, line in cases:  # fills numba's cache
-        Costs().run(*line)
+    for _, line in cases:  # fills the caches
+        Costs().run(*line, bytecode=folder)
     for turn in range(runs):
         for costs, line in cases if turn % 2 else cases[::-1]:
-            costs.run(*line)
+            costs.run(*line, bytecode=folder)
     return cases[0][0], cases[1][0]
 
 
@@ -84,7 +86,7 @@ def main() -> None:
     print("| --- | --- | --- | --- | --- |")
     with tempfile.TemporaryDirectory() as folder:
         for method in given.methods:
-            own, base = measure(given.mesh, method, Path(folder) / "out.ply", given.runs)
+            own, base = measure(given.mesh, method, Path(folder), given.runs)
             print(
                 f"| `{method}` | {declaration(METHODS[method]).scales} "
                 f"| {statistics.median(own.clock):.2f} "

@@ -35,7 +35,7 @@ def test_the_closing_line_is_a_caption(run, ball_ply):
 
 def test_the_closing_line_without_scales_has_no_widths(run, ball_ply):
     _, (line,), _ = run("bake", "ball.ply", "-m", "lambert", "--light", "300,20")
-    caption = "ball-lambert.ply: lambert, light azimuth 300° elevation 20°, "
+    caption = "ball-lambert.ply: lambert, light azimuth 300 elevation 20, "
     assert line.startswith(caption)
     assert line.removeprefix(caption).endswith(" s")
     assert "width" not in line
@@ -261,7 +261,7 @@ def test_two_inputs_never_share_an_output(run, ball_ply, folder):
     assert status == 2
     assert len(out) == 1
     assert err == [
-        "meshdepict: ball.obj would become ball-exaggerated.ply as ball.ply does: bake it alone",
+        "meshdepict: ball.obj would become ball-exaggerated.ply as ball.ply does: name its output with -o",
         "meshdepict: 1 of 2 baked",
     ]
     assert np.array_equal(read_mesh("ball-exaggerated.ply").vertices, ball_ply.vertices)
@@ -279,3 +279,44 @@ def test_running_out_of_memory_is_one_file_s_fault(run, ball_ply, folder, monkey
     status, out, err = run("bake", "ball.ply", "second.ply")
     assert (status, len(out)) == (2, 1)
     assert err[0].startswith("meshdepict: ball.ply: out of memory")
+
+
+def test_a_folder_named_with_a_slash_is_made(run, ball_ply, folder):
+    code, lines, errors = run("bake", "ball.ply", "-m", "lambert", "-o", "new/deep/")
+    assert (code, errors) == (0, [])
+    assert lines[0].startswith("new/deep/ball-lambert.ply: ")
+    assert (folder / "new/deep/ball-lambert.ply").exists()
+
+
+def test_several_lights_are_parted_by_semicolons(run, ball_ply):
+    code, lines, _ = run("bake", "ball.ply", "-m", "phong", "--light", "north; 120,30; 1,0,0")
+    assert code == 0
+    assert "phong" in lines[0]
+
+
+def test_one_scale_has_one_width(run, ball_ply):
+    _, (line,), _ = run("bake", "ball.ply", "--scales", "1", "--width", "0.1")
+    assert ", 1 width 0.1, " in line
+
+
+def test_angles_survive_as_plain_text_in_pictures_and_headers(run, ball_ply, folder):
+    code, _, errors = run("bake", "ball.ply", "--light", "0,90", "--picture", "p.png")
+    assert (code, errors) == (0, [])
+    head = (folder / "ball-exaggerated.ply").read_bytes().partition(b"end_header")[0]
+    assert head.isascii()
+    assert b"light: azimuth 0 elevation 90" in head
+
+
+def test_a_fault_of_the_program_s_own_is_one_line_and_the_rest_goes_on(run, ball_ply, monkeypatch):
+    def broken(*arguments, **options):
+        raise RuntimeError("that should not happen")
+
+    from meshdepict.baking import Baked
+
+    monkeypatch.setattr(Baked, "save", broken)
+    code, lines, errors = run("bake", "ball.ply", "-m", "lambert")
+    assert (code, lines) == (2, [])
+    assert errors == [
+        "meshdepict: ball.ply: an unexpected fault, please report it "
+        "(RuntimeError: that should not happen)"
+    ]

@@ -113,12 +113,16 @@ def test_gray_lights_give_one_channel_and_white_ones_the_sum(space):
 
 
 @pytest.mark.parametrize("material", MATERIALS, ids=repr)
-def test_few_lights_by_arrays_are_many_by_the_kernel(space, rng, material):
+@pytest.mark.parametrize("warping", [0.0, 6.0])
+def test_few_lights_by_arrays_are_many_by_the_kernel(space, rng, material, warping):
     eye = eyes(space, _perspective())
+    frames = features(space, _perspective(), curvature="object", scale=1, gain=None)
+    warped = {"frames": frames, "warping": warping}
     lights = [Light(d, color=rng.uniform(0, 1, 3)) for d in rng.normal(size=(6, 3))]
-    by_arrays = sum(direct(space, [light], eye, material) for light in lights)
+    by_arrays = sum(direct(space, [light], eye, material, **warped) for light in lights)
+    by_kernel = direct(space, lights, eye, material, **warped)
     # Points whose light is on the horizon may fall on either side of it.
-    close = np.isclose(direct(space, lights, eye, material), by_arrays, rtol=2e-4, atol=1e-3)
+    close = np.isclose(by_kernel, by_arrays, rtol=2e-4, atol=1e-3)
     assert close.all(axis=1).mean() > 0.995
 
 

@@ -9,6 +9,7 @@ from meshdepict import scales as scales_module
 from meshdepict.errors import MeshdepictError
 from meshdepict.mesh import Mesh
 from meshdepict.scales import resolve_width
+from meshdepict.scene import View
 
 
 def exact_ladder(mesh, widths, facing, chosen=None):
@@ -189,6 +190,29 @@ def test_progress_ends_at_the_total(ball):
     scale_space(ball, scales=3, progress=lambda done, total: calls.append((done, total)))
     assert calls[-1] == (3, 3)
     assert all(a <= b for (a, _), (b, _) in pairwise(calls))
+
+
+def test_view_curvature_is_computed_once_per_scale_foreshortening_and_view(ball, monkeypatch):
+    from meshdepict.curvature import view as module
+
+    space, compute, calls = scale_space(ball, scales=2), module.view_tensor, []
+    monkeypatch.setattr(
+        module, "view_tensor", lambda *given, **more: calls.append(1) or compute(*given, **more)
+    )
+    found = space.view_curvature("front", 1)
+    assert space.view_curvature("front", 1) is found
+    assert space.view_curvature(View.fitted("front", ball), 1) is found  # equal, not the same
+    assert len(calls) == 1
+    larger = View.fitted("front", ball, height_px=500)
+    for number, (view, scale, power) in enumerate(
+        [("front", 2, 1), ("front", 1, 0.4), ("left", 1, 1), (larger, 1, 1), ("front", 1, 1)], 2
+    ):
+        other = space.view_curvature(view, scale, foreshortening=power)
+        assert other is space.view_curvature(view, scale, foreshortening=power)
+        assert len(calls) == number
+        assert any((a != b).any() for a, b in zip(found, other, strict=True)) == (number < 6)
+    with pytest.raises(ValueError, match="read-only"):
+        found.ku[0] = 0
 
 
 @pytest.mark.parametrize(

@@ -100,7 +100,7 @@ def test_lights_can_be_compared_and_collected():
     [
         ("northwest", "northwest (-0.57735 0.57735 0.57735)"),
         ((0, 0, 3), "(0 0 1)"),
-        ((45, 0), "azimuth 45° elevation 0° (0.707107 0.707107 0)"),
+        ((45, 0), "azimuth 45 elevation 0 (0.707107 0.707107 0)"),
     ],
 )
 def test_a_light_in_words(light, text):

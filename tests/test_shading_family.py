@@ -217,29 +217,54 @@ def scans():
     return {}
 
 
-@every_method
-@pytest.mark.parametrize(
+every_scan = pytest.mark.parametrize(
     "name",
     ["armadillo_86k", "beetle_2k", "bunny_69k", "dragon_203k", "fandisk_13k", "flake1_152k",
      "gears_19k", "lucy_100k", "nefertiti_100k"],
 )  # fmt: skip
-@pytest.mark.filterwarnings("ignore::meshdepict.errors.MeshdepictWarning")
-def test_scans_get_finite_colours(data, scans, method, name):
+
+
+@pytest.fixture
+def scan(data, scans, name):
     from meshdepict.io import read_mesh
 
     if name not in scans:
         scans[name] = scale_space(
             read_mesh(data / "mesh" / f"{name}.ply"), scales=1, width="0.3%", tolerance=1e-2
         )
-    space = scans[name]
-    assert_proper(shade(method, space, **few_rays(method, 2)), len(space.points))
+    return scans[name]
+
+
+@every_method
+@every_scan
+@pytest.mark.filterwarnings("ignore::meshdepict.errors.MeshdepictWarning")
+def test_scans_get_finite_colours(scan, method):
+    assert_proper(shade(method, scan, **few_rays(method, 2)), len(scan.points))
+
+
+@every_scan
+@pytest.mark.parametrize(
+    ("method", "options"),
+    [
+        ("light_warping", {"magnitude": 1e30, "material": "phong"}),
+        ("light_warping", {"magnitude": -1e30, "curvature": "view", "gain": 1e30}),
+        ("radiance_scaling", {"magnitude": 1e30, "gain": 1e30}),
+        ("radiance_scaling", {"magnitude": 1e30, "curvature": "view", "material": "phong"}),
+        ("light_alignment", {"sharpness": 1e4, "strength": 1.0, "material": "phong"}),
+        ("light_alignment", {"sharpness": 0.0, "strength": 0.0, "transmitted": 1.0}),
+    ],
+    ids=lambda given: given if isinstance(given, str) else " ".join(given),
+)
+@pytest.mark.filterwarnings("ignore::meshdepict.errors.MeshdepictWarning")
+def test_scans_survive_extreme_options(scan, method, options):
+    for light in ("northwest", (0, 0, -1), scan.normals[0, 0]):
+        assert_proper(shade(method, scan, light, **options), len(scan.points))
 
 
 @pytest.mark.skipif(not DATA, reason="real data not at hand: MESHDEPICT_DATA is not set")
 def test_no_scan_is_left_out(data):
     names = {path.stem for path in (data / "mesh").glob("*.ply")}
-    (mark,) = [m for m in test_scans_get_finite_colours.pytestmark if m.args[0] == "name"]
-    assert names == set(mark.args[1])
+    assert names == set(every_scan.args[1])
 
 
 # --- wrong input ------------------------------------------------------------------------------

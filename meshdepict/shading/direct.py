@@ -25,6 +25,7 @@ from meshdepict.material import (
 from meshdepict.scales import ScaleSpace
 from meshdepict.scene import Light
 from meshdepict.shading.features import Frames, Scaling
+from meshdepict.shading.warp_equations import jacobian, unwarp, warp_scale
 
 __all__ = ["direct", "kernel_colors", "kernel_parameters", "quantised", "squeezed"]
 
@@ -62,8 +63,9 @@ def direct(
     (n,) array, (n, 3) where a light is coloured
     """
     kind, parameters = kernel_parameters(material)
-    if frames is None and len(lights) <= _FEW:
-        return _few(space, lights, eyes, material)
+    scaled = frames is not None and bool(scaling.diffuse or scaling.specular)
+    if len(lights) <= _FEW and not scaled:
+        return _few(space, lights, eyes, material, frames if warping else None, warping)
 
     from meshdepict.shading.lights_kernel import sum_lights
 
@@ -77,7 +79,12 @@ def direct(
 
 
 def _few(
-    space: ScaleSpace, lights: Sequence[Light], eyes: NDArray[np.float32], material: Material
+    space: ScaleSpace,
+    lights: Sequence[Light],
+    eyes: NDArray[np.float32],
+    material: Material,
+    frames: Frames | None,
+    warping: float,
 ) -> NDArray[np.float32]:
     """Do the same by arrays: in a fresh process the kernel takes longer to load than this."""
     normals, eye = space.normals[0], eyes.T
@@ -85,9 +92,25 @@ def _few(
     total = np.zeros((len(normals), colors.shape[1]), np.float32)
     for light, color in zip(lights, colors, strict=True):
         direction = light.direction.astype(np.float32)
+        weight: Any = np.float32(1)
+        if frames is not None:
+            direction, weight = _unwarped(normals, direction, frames, warping)
         value = diffuse_term(material, normals, direction, eye)
-        total += (value + specular_term(material, normals, direction, eye))[:, None] * color
+        value = (value + specular_term(material, normals, direction, eye)) * weight
+        total += value[:, None] * color
     return squeezed(total)
+
+
+def _unwarped(
+    normals: NDArray[np.float32], light: NDArray[np.float32], frames: Frames, warping: float
+) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+    """Return W⁻¹(l') and J, zero unless both directions lie in the hemisphere of n (eq. 2)."""
+    axes = np.stack([frames.u, frames.v, frames.z], axis=1)
+    local = axes @ light
+    stretch = warp_scale(frames.ku, warping), warp_scale(frames.kv, warping)
+    back = np.einsum("nij,ni->nj", axes, unwarp(local, *stretch))
+    both = np.minimum(normals @ light, np.einsum("ni,ni->n", normals, back)) > 0
+    return back, np.where(both, jacobian(local, *stretch), np.float32(0))
 
 
 def kernel_parameters(material: Material) -> tuple[int, NDArray[np.float32]]:
