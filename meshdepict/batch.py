@@ -96,7 +96,8 @@ class Batch:
                 twin = jobs.setdefault(realpath(job.output), job)
                 if twin is not job:
                     raise MeshdepictError(
-                        f"{source} would become {job.output} as {twin.source} does: name its output with -o"
+                        f"{source} would become {job.output} as {twin.source} does: "
+                        "name its output with -o"
                     )
             except MeshdepictError as error:
                 complain(error)

@@ -261,7 +261,8 @@ def test_two_inputs_never_share_an_output(run, ball_ply, folder):
     assert status == 2
     assert len(out) == 1
     assert err == [
-        "meshdepict: ball.obj would become ball-exaggerated.ply as ball.ply does: name its output with -o",
+        "meshdepict: ball.obj would become ball-exaggerated.ply as ball.ply does: "
+        "name its output with -o",
         "meshdepict: 1 of 2 baked",
     ]
     assert np.array_equal(read_mesh("ball-exaggerated.ply").vertices, ball_ply.vertices)
