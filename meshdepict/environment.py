@@ -81,7 +81,7 @@ class Environment:
     def __str__(self) -> str:
         """Return name and size."""
         height, width = self.pixels.shape[:2]
-        return f"{self.name or 'environment'} ({width} × {height}, up {self.up})"
+        return f"{self.name or 'environment'} ({width} x {height}, up {self.up})"
 
     @cached_property
     def _solid_angles(self) -> NDArray[np.float64]:

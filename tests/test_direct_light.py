@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from meshdepict import Environment, MeshdepictError, samples, scale_space
+from meshdepict import Environment, MeshdepictError, samples, scale_space, shading
 from meshdepict.material import (
     AshikhminShirley,
     CookTorrance,
@@ -216,7 +216,7 @@ def test_a_bake_under_several_lights_or_an_environment(tmp_path, space):
     several = md.bake(space, "phong", light=["north", (90, 20)])
     assert several.provenance["light"].count(";") == 1
     one = md.bake(space, "radiance_scaling", light=Environment(np.ones((8, 16, 3)), name="white"))
-    assert one.provenance["light"] == "white (16 × 8, up y)"
+    assert one.provenance["light"] == "white (16 x 8, up y)"
     assert one.intensity.shape == (len(space.points),)
     with pytest.raises(MeshdepictError, match="one light is needed here, not several"):
         md.bake(space, "lambert", light=["north", "east"])
@@ -233,3 +233,11 @@ def test_a_bakes_view_and_material_reach_the_method(space):
     assert "shininess=9" in gloss.provenance["options"]
     with pytest.raises(MeshdepictError, match="material=3 is not one of"):
         md.bake(space, "radiance_scaling", material=3)
+
+
+def test_cook_torrance_is_radiance_scaling_s_material_without_scaling(ball):
+    space = scale_space(ball, scales=1)
+    plain = shading.cook_torrance(space, "northwest")
+    scaled = shading.radiance_scaling(space, "northwest", material="cook_torrance", magnitude=0)
+    # The kernel and the arrays round differently.
+    np.testing.assert_allclose(plain, scaled, atol=1e-5)

@@ -56,7 +56,7 @@ def test_reading_is_exact_and_the_first_row_is_up(tmp_path, rng, magic):
     write_hdr(tmp_path / "light.hdr", rgbe, magic=magic)
     environment = md.Environment.from_file(tmp_path / "light.hdr")
     np.testing.assert_array_equal(environment.pixels, decoded(rgbe))
-    assert str(environment) == "light (16 × 8, up y)"
+    assert str(environment) == "light (16 x 8, up y)"
 
 
 def test_directions():
@@ -190,7 +190,7 @@ def test_a_file_lights_a_bake_and_its_up_is_the_shapes(tmp_path, up):
     baked = md.bake(
         md.samples.sphere(500), "light_warping", light=str(tmp_path / "sky.hdr"), up=up, magnitude=0
     )
-    assert baked.provenance["light"] == f"sky (16 × 8, up {up})"
+    assert baked.provenance["light"] == f"sky (16 x 8, up {up})"
     height = baked.shape.vertices[:, 1 if up == "y" else 2]
     assert baked.intensity[height > 0.9].min() > 0.2
     assert baked.intensity[height < -0.9].max() < 0.01

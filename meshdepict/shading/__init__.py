@@ -8,6 +8,7 @@ from typing import Any
 from meshdepict.shading.accessibility import accessibility
 from meshdepict.shading.ambient_occlusion import ambient_occlusion
 from meshdepict.shading.aspect import aspect
+from meshdepict.shading.cook_torrance import cook_torrance
 from meshdepict.shading.exaggerated import exaggerated
 from meshdepict.shading.gooch import gooch
 from meshdepict.shading.lambert import half_lambert, lambert
@@ -30,6 +31,7 @@ __all__ = [
     "accessibility",
     "ambient_occlusion",
     "aspect",
+    "cook_torrance",
     "declaration",
     "exaggerated",
     "gooch",
@@ -58,6 +60,7 @@ METHODS: dict[str, Callable[..., Any]] = {
         lambert,
         half_lambert,
         phong,
+        cook_torrance,
         toon,
         lit_sphere,
         mean_curvature,

@@ -1,0 +1,54 @@
+"""Cook–Torrance shading: microfacets over a diffuse base."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from meshdepict.material import CookTorrance
+from meshdepict.options import Range
+from meshdepict.scales import ScaleSpace
+from meshdepict.scene import View, as_lights
+from meshdepict.shading.direct import direct
+from meshdepict.shading.features import eyes, sight
+from meshdepict.shading.method import Exposure, exposed, method
+
+__all__ = ["cook_torrance"]
+
+
+@method(linear=True, source="Cook and Torrance, ACM Transactions on Graphics 1(1), 1982")
+def cook_torrance(
+    space: ScaleSpace,
+    light: Any,
+    *,
+    view: View | str = "front",
+    diffuse: Annotated[float, Range(0, 1, help="albedo of the base")] = 0.6,
+    reflectance: Annotated[float, Range(0, 1, help="of the facets, seen head-on")] = 0.2,
+    roughness: Annotated[float, Range(0.02, 1, help="slope m of the facets")] = 0.3,
+    exposure: Exposure = 1.0,
+) -> NDArray[np.float32]:
+    """Shade by Beckmann's microfacets over a diffuse base: highlights of rough metal or glaze.
+
+    Points that face away from the eye are shaded for the eye mirrored in their tangent plane.
+
+    Parameters
+    ----------
+    space : ScaleSpace
+    light : light, or several
+        As in `meshdepict.scene.as_lights`.
+    view : View or str
+        Where the eye is.
+    diffuse, reflectance, roughness : float
+        As in `meshdepict.material.CookTorrance`.
+    exposure : float
+
+    Returns
+    -------
+    (n,) array, (n, 3) where a light is coloured
+        Linear values in [0, 1].
+    """
+    eye = sight(view, space, fitted=False)
+    material = CookTorrance(diffuse, reflectance, roughness)
+    return exposed(direct(space, as_lights(light, eye), eyes(space, eye), material), exposure)
