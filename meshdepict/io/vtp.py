@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from meshdepict.errors import MeshdepictError, MeshdepictWarning
 from meshdepict.io.document import COLOR, Contents, Document, Saving, recolored
 from meshdepict.io.ply_properties import exact_float
-from meshdepict.polygons import Polygons, as_polygons, strip_triangles
+from meshdepict.polygons import Polygons, as_polygons
 
 if TYPE_CHECKING:
     from meshdepict.mesh import Mesh
@@ -113,35 +113,11 @@ def _vtk_errors() -> Iterator[list[str]]:
 
 
 def _geometry(poly: Any) -> tuple[NDArray[Any], Polygons, NDArray[np.int64]]:
-    """Return the points, the polygons (strips as triangles), and the cell of each."""
-    from vtkmodules.util.numpy_support import vtk_to_numpy
+    """Return the points in double precision, the polygons, and the cell of each."""
+    from meshdepict.exchange import polydata_geometry
 
-    points = poly.GetPoints()
-    vertices = vtk_to_numpy(points.GetData()) if points else np.empty((0, 3))
-    polygons, strips = _cells(poly.GetPolys()), _cells(poly.GetStrips())
-    first = poly.GetNumberOfVerts() + poly.GetNumberOfLines()
-    cell = first + np.arange(len(polygons.offsets) - 1)
-    if len(strips.connectivity):
-        triangles, owner = strip_triangles(strips)
-        offsets = polygons.offsets[-1] + 3 * np.arange(1, len(triangles) + 1)
-        cell = np.concatenate((cell, first + len(cell) + owner))
-        polygons = Polygons(
-            np.concatenate((polygons.connectivity, triangles.reshape(-1))),
-            np.concatenate((polygons.offsets, offsets)),
-        )
+    vertices, polygons, cell = polydata_geometry(poly)
     return vertices.astype(np.float64), polygons, cell
-
-
-def _cells(cells: Any) -> Polygons:
-    from vtkmodules.util.numpy_support import vtk_to_numpy
-
-    if not cells.GetNumberOfCells():
-        return Polygons(np.empty(0, np.int64), np.zeros(1, np.int64))
-    cells.ConvertTo64BitStorage()
-    return Polygons(
-        vtk_to_numpy(cells.GetConnectivityArray()).astype(np.int64),
-        vtk_to_numpy(cells.GetOffsetsArray()).astype(np.int64),
-    )
 
 
 def _arrays(data: Any) -> dict[str, NDArray[Any]]:

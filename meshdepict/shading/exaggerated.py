@@ -7,12 +7,11 @@ from typing import Annotated, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from meshdepict.errors import MeshdepictError
 from meshdepict.options import Range
 from meshdepict.scales import ScaleSpace
 from meshdepict.scene import as_light
 from meshdepict.shading.attention import remoteness
-from meshdepict.shading.method import Exposure, exposed, method
+from meshdepict.shading.method import Exposure, exposed, method, require_smoothing
 
 __all__ = ["band_weights", "exaggerated", "local_light", "soft_toon"]
 
@@ -129,10 +128,7 @@ def exaggerated(
     """
     from meshdepict.shading.exaggerated_kernel import combine_bands
 
-    if len(space.widths) < 2:
-        raise MeshdepictError(
-            "exaggerated shading needs at least one scale; make more with scales=9"
-        )
+    require_smoothing(space, "exaggerated shading", scales=9)
     direction = as_light(light).direction
     weights = band_weights(space.widths, space.ratio, emphasis=emphasis, contrast=contrast)
     far = None if focus is None else remoteness(space, focus, radius)

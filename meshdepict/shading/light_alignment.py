@@ -24,7 +24,7 @@ from meshdepict.options import Choice, Range
 from meshdepict.scales import ScaleSpace
 from meshdepict.scene import View, as_lights
 from meshdepict.shading.features import LightCount, Parameter, eyes, sight
-from meshdepict.shading.method import Exposure, exposed, method
+from meshdepict.shading.method import Exposure, exposed, method, require_smoothing
 from meshdepict.shading.transmission import refracted, rough_transmission
 
 __all__ = ["align", "confidence", "light_alignment", "transition"]
@@ -194,10 +194,7 @@ def light_alignment(
         If the scale space has no smoothed scale, for another number of strengths, and for a
         parameter that the material does not have.
     """
-    if len(space.widths) < 2:
-        raise MeshdepictError(
-            "Local Light Alignment needs at least one scale; make more with scales=5"
-        )
+    require_smoothing(space, "Local Light Alignment", scales=5)
     given = {
         "diffuse": diffuse, "specular": specular, "shininess": shininess, "roughness": roughness,
     }  # fmt: skip

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from meshdepict.errors import MeshdepictError
 from meshdepict.options import Range, check, options_of
 
-__all__ = ["Declaration", "Exposure", "declaration", "exposed", "method"]
+__all__ = ["Declaration", "Exposure", "declaration", "exposed", "method", "require_smoothing"]
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
@@ -82,3 +82,9 @@ def declaration(function: Callable[..., Any]) -> Declaration:
 def exposed(values: NDArray[Any], exposure: float) -> NDArray[Any]:
     """Multiply by the exposure and clip to [0, 1]: the last step of every method."""
     return np.clip(values * values.dtype.type(exposure), 0, 1)
+
+
+def require_smoothing(space: Any, what: str, *, scales: int) -> None:
+    """Refuse a scale space without any smoothed normals, saying how many are usual."""
+    if len(space.widths) < 2:
+        raise MeshdepictError(f"{what} needs at least one scale; make more with scales={scales}")

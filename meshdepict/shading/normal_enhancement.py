@@ -7,11 +7,10 @@ from typing import Annotated, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from meshdepict.errors import MeshdepictError
 from meshdepict.options import Range
 from meshdepict.scales import ScaleSpace
 from meshdepict.scene import as_light
-from meshdepict.shading.method import Exposure, exposed, method
+from meshdepict.shading.method import Exposure, exposed, method, require_smoothing
 
 __all__ = ["enhanced_normals", "normal_enhancement"]
 
@@ -55,10 +54,7 @@ def normal_enhancement(
     MeshdepictError
         If the scale space has no smoothed scale.
     """
-    if len(space.widths) < 2:
-        raise MeshdepictError(
-            "normal enhancement needs at least one scale; make more with scales=5"
-        )
+    require_smoothing(space, "normal enhancement", scales=5)
     normals = enhanced_normals(space.normals[0], space.normals[-1], amount)
     cosine = normals @ as_light(light).direction.astype(np.float32)
     return exposed(np.maximum(cosine, 0), exposure)

@@ -7,11 +7,10 @@ from typing import Annotated, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from meshdepict.errors import MeshdepictError
 from meshdepict.options import Range
 from meshdepict.scales import ScaleSpace
 from meshdepict.scene import as_light
-from meshdepict.shading.method import Exposure, exposed, method
+from meshdepict.shading.method import Exposure, exposed, method, require_smoothing
 
 __all__ = ["surface_mean", "unsharp_masking"]
 
@@ -75,8 +74,7 @@ def unsharp_masking(
     MeshdepictError
         If the scale space has no smoothed scale.
     """
-    if len(space.widths) < 2:
-        raise MeshdepictError("unsharp masking needs at least one scale; make more with scales=5")
+    require_smoothing(space, "unsharp masking", scales=5)
     direction = as_light(light).direction.astype(np.float32)
     c = np.maximum(space.normals[0] @ direction, 0)
     mean = surface_mean(space, c, float(space.widths[-1]))
