@@ -11,8 +11,9 @@ from pathlib import Path
 
 from meshdepict.errors import MeshdepictWarning
 
-__all__ = ["about", "complain", "notes", "progress_bar"]
+__all__ = ["FAULT", "about", "complain", "notes", "progress_bar"]
 
+FAULT = 2  # exit status of wrong input
 _PATIENCE = 0.5  # seconds without a sign of life
 
 

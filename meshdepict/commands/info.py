@@ -1,0 +1,45 @@
+"""``meshdepict info``: what is in a mesh file, and what a bake of it costs."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+from cyclopts import Parameter
+
+from meshdepict import threads
+from meshdepict.commands import parameters
+from meshdepict.console import FAULT, about, complain, notes
+from meshdepict.errors import MeshdepictError
+
+__all__ = ["info"]
+
+
+def info(
+    *inputs: Annotated[Path, Parameter(name="INPUT")],
+    quiet: parameters.Quiet = False,
+    cores: parameters.Cores = None,
+) -> int:
+    """Count what a mesh has, its defects too, and say how long a bake will take.
+
+    Parameters
+    ----------
+    inputs
+        Mesh files.
+    """
+    from meshdepict import report
+
+    threads.limit(cores)
+    if not inputs:
+        raise MeshdepictError("info needs a mesh file: meshdepict info INPUT")
+    failed = 0
+    for path in inputs:
+        try:
+            with notes(path, quiet=quiet):
+                text = report.info(path)
+        except MeshdepictError as error:
+            complain(about(path, error))
+            failed += 1
+        else:
+            print(text, end="\n\n" if path is not inputs[-1] else "\n", flush=True)  # noqa: T201
+    return FAULT if failed else 0

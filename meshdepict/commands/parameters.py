@@ -1,0 +1,163 @@
+"""Words of the command line that several commands take, and how they become values."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Annotated, Any, Literal
+
+from cyclopts import Group, Parameter
+
+from meshdepict.errors import MeshdepictError
+
+__all__ = [
+    "DETAIL", "EVERYWHERE", "FILES", "LOOK", "Colormap", "Cores", "Facing", "LightText", "Method",
+    "Options", "Quiet", "Ratio", "Scales", "Tolerance", "Up", "View", "Width", "as_light",
+    "as_size", "method_options",
+]  # fmt: skip
+
+FILES, LOOK, DETAIL, EVERYWHERE = (
+    Group(name, sort_key=place)
+    for place, name in enumerate(("Files", "Look", "Detail", "Everywhere"))
+)
+
+
+def _whole(_: Any, tokens: Sequence[Any]) -> int:
+    """Convert a whole number strictly; cyclopts would round 1.5 to 2."""
+    try:
+        return int(tokens[0].value)
+    except ValueError:
+        raise ValueError(f"{tokens[0].value!r} is not a whole number") from None
+
+
+def _number(_: Any, tokens: Sequence[Any]) -> float:
+    try:
+        return float(tokens[0].value)
+    except ValueError:
+        raise ValueError(f"{tokens[0].value!r} is not a number") from None
+
+
+Quiet = Annotated[
+    bool, Parameter(group=EVERYWHERE, show_default=False, help="No notes and no progress bar.")
+]
+Cores = Annotated[
+    int | None,
+    Parameter(
+        name="--threads",
+        converter=_whole,
+        group=EVERYWHERE,
+        help="Cores to use; all unless given.",
+    ),
+]
+
+Method = Annotated[
+    str,
+    Parameter(
+        name=["--method", "-m"],
+        group=LOOK,
+        help="How to shade: meshdepict methods lists what there is.",
+    ),
+]
+LightText = Annotated[
+    str,
+    Parameter(
+        name="--light",
+        group=LOOK,
+        allow_leading_hyphen=True,
+        help="A name (north, northeast, … northwest, front), azimuth,elevation in degrees, x,y,z, "
+        "or a panorama.hdr; several, where a method takes them, parted by semicolons.",
+    ),
+]
+View = Annotated[
+    str,
+    Parameter(
+        group=LOOK,
+        help="Where names of lights and the picture look from: front, back, left, right, top, "
+        "bottom or isometric.",
+    ),
+]
+Up = Annotated[Literal["y", "z"], Parameter(group=LOOK, help="Axis of the object that points up.")]
+Options = Annotated[
+    list[str] | None,
+    Parameter(
+        name="--set",
+        group=LOOK,
+        help="An option of the method as name=value; meshdepict methods NAME lists them. "
+        "Repeatable.",
+    ),
+]
+Colormap = Annotated[
+    str | None,
+    Parameter(group=LOOK, help="Colours for dark to bright; grey unless given."),
+]
+Scales = Annotated[
+    int | None,
+    Parameter(
+        converter=_whole,
+        group=DETAIL,
+        help="How often to smooth; unless given, as often as the method wants.",
+    ),
+]
+Width = Annotated[
+    str | None,
+    Parameter(
+        group=DETAIL,
+        allow_leading_hyphen=True,
+        help="First smoothing width in the file's units, or a share of the diagonal such as 0.2%; "
+        "unless given, the median edge.",
+    ),
+]
+Ratio = Annotated[
+    float | None,
+    Parameter(converter=_number, group=DETAIL, help="From one width to the next."),
+]
+Facing = Annotated[
+    Literal[0, 1],
+    Parameter(
+        group=DETAIL,
+        help="1 keeps the two sides of thin sheets apart; 0 is the plain sum of the paper.",
+    ),
+]
+Tolerance = Annotated[
+    float,
+    Parameter(converter=_number, group=DETAIL, help="Largest error of a normal, in radians."),
+]
+
+
+def as_light(text: str) -> Any:
+    """Return a light's name, its angles or its direction; several where semicolons part them."""
+    if ";" in text:
+        return [as_light(part.strip()) for part in text.split(";") if part.strip()]
+    if "," not in text:
+        return text
+    try:
+        numbers = tuple(float(part) for part in text.split(","))
+    except ValueError:
+        numbers = ()
+    if len(numbers) not in (2, 3):
+        raise MeshdepictError(
+            f"--light {text} is neither a name, nor azimuth,elevation in degrees, nor x,y,z"
+        )
+    return numbers
+
+
+def as_size(text: str) -> tuple[int, int]:
+    """Return width and height in pixels from a text such as 1200x900."""
+    width, _, height = text.lower().partition("x")
+    if not (width.isdecimal() and height.isdecimal()):
+        raise MeshdepictError(f"--size {text} is not WIDTHxHEIGHT in pixels, such as 1200x900")
+    return int(width), int(height)
+
+
+def method_options(method: str, given: Sequence[str]) -> dict[str, Any]:
+    """Return the method's options from ``name=value`` texts, checked."""
+    from meshdepict.baking import find_method
+    from meshdepict.options import check
+
+    function = find_method(method)
+    texts = {}
+    for text in given:
+        name, equals, value = text.partition("=")
+        if not equals:
+            raise MeshdepictError(f"--set wants name=value, not {text!r}")
+        texts[name.strip()] = value.strip()
+    return check(function, texts, method)
