@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from meshdepict import triangles
 from meshdepict.errors import MeshdepictError, MeshdepictWarning
+from meshdepict.fingerprint import fingerprint
 from meshdepict.mesh_input import check_indices, checked_attributes, checked_vertices, frozen
 from meshdepict.polygons import as_polygons, triangulate
 from meshdepict.welding import normal_groups, same_position
@@ -46,6 +47,8 @@ class Mesh:
     MeshdepictError
         For an empty mesh, wrong shapes, NaN or infinite vertices, an index out of range.
     """
+
+    kind = "mesh"
 
     def __init__(
         self,
@@ -121,6 +124,19 @@ class Mesh:
         size = f"diagonal {self.diagonal:.4g}"
         return f"<Mesh: {len(self.vertices):,} vertices, {faces:,} faces, {size}>"
 
+    # --- what every kind of shape has -------------------------------------------------------
+
+    @property
+    def outline(self) -> Floats:
+        """World positions (n, 3) that a fitted view has to show: the vertices."""
+        return self.vertices
+
+    @property
+    def identity(self) -> str:
+        """Counts, and the fingerprint of vertices and triangles."""
+        counts = f"{len(self.vertices)} vertices {len(self.faces)} triangles"
+        return f"{counts} sha256 {fingerprint(self.vertices, self.faces)}"
+
     # --- size -------------------------------------------------------------------------------
 
     @cached_property
@@ -142,9 +158,13 @@ class Mesh:
         All geometry is computed on these, so that neither survey coordinates nor metres in
         nanometres cost digits, and squares of squares of lengths neither overflow nor vanish.
         """
-        points = self.vertices - self._centre
-        points /= self.diagonal or 1.0
-        return frozen(points)
+        return frozen(self.recentred(self.vertices))
+
+    def recentred(self, points: Floats) -> Floats:
+        """Return world positions (…, 3) relative to the mesh's centre, in its diagonals."""
+        moved: Floats = points - self._centre
+        moved /= self.diagonal or 1.0
+        return moved
 
     @cached_property
     def edge_length(self) -> float:

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 __all__ = ["MOST_RAYS", "Openness", "ambient_openness", "sky_openness"]
 
 Floats = NDArray[np.float64]
+At = tuple[NDArray[Any], NDArray[Any]]
 
 MOST_RAYS = 65_536
 _OFFSET = 1e-5  # of a ray's start from the surface, in diagonals: 100 roundings in float32
@@ -39,14 +40,14 @@ _STEPS = np.array(
 
 
 class Openness(NamedTuple):
-    """The share of the light from all around that reaches each vertex.
+    """The share of the light from all around that reaches each point.
 
     Attributes
     ----------
     values : (n,) array of float32
         In [0, 1]: 1 where nothing is in the way.
     error : float
-        Root mean square error over the vertices, estimated from two halves of the rays; rather
+        Root mean square error over the points, estimated from two halves of the rays; rather
         too large than too small, because the rays of one half fill the gaps of the other.
     """
 
@@ -55,15 +56,22 @@ class Openness(NamedTuple):
 
 
 def ambient_openness(
-    mesh: Mesh, *, rays: int = 256, done: Callable[[int], None] | None = None
+    mesh: Mesh,
+    *,
+    at: At | None = None,
+    rays: int = 256,
+    done: Callable[[int], None] | None = None,
 ) -> Openness:
-    """Return (1/π) ∫ max(0, n·ω) V(ω) dω at every vertex, V being 1 where a ray gets away.
+    """Return (1/π) ∫ max(0, n·ω) V(ω) dω at every point, V being 1 where a ray gets away.
 
     Parameters
     ----------
     mesh : Mesh
+        What rays can meet.
+    at : two (n, 3) arrays, optional
+        World positions and unit normals; the mesh's vertices unless given.
     rays : int
-        Per vertex, 2 … 65536, cosine-weighted. The error falls about as rays^−¾.
+        Per point, 2 … 65536, cosine-weighted. The error falls about as rays^−¾.
     done : callable, optional
         Called with the number of a finished batch.
 
@@ -77,18 +85,20 @@ def ambient_openness(
     def height(share: Floats) -> Floats:
         return np.sqrt(1 - share)
 
-    return _traced(mesh, count, height, mesh.normals, None, done)
+    points, normals = _places(mesh, at)
+    return _traced(mesh, (points, normals), count, height, normals, weigh=False, done=done)
 
 
 def sky_openness(
     mesh: Mesh,
     towards: NDArray[Any],
     *,
+    at: At | None = None,
     spread: float = 90.0,
     rays: int = 256,
     done: Callable[[int], None] | None = None,
 ) -> Openness:
-    """Return the share of the light of a cap of sky that reaches every vertex.
+    """Return the share of the light of a cap of sky that reaches every point.
 
     ∫ max(0, n·ω) V(ω) dω over the directions within ``spread`` of ``towards``, relative to what an
     open surface that faces the cap's middle gets.
@@ -96,12 +106,15 @@ def sky_openness(
     Parameters
     ----------
     mesh : Mesh
+        What rays can meet.
     towards : (3,) array
         Unit vector to the middle of the sky.
+    at : two (n, 3) arrays, optional
+        World positions and unit normals; the mesh's vertices unless given.
     spread : float
         Half the cap's opening in degrees, up to 90.
     rays : int
-        Per vertex, 2 … 65536, evenly over the cap.
+        Per point, 2 … 65536, evenly over the cap.
     done : callable, optional
         Called with the number of a finished batch.
 
@@ -116,8 +129,17 @@ def sky_openness(
     def height(share: Floats) -> Floats:
         return 1 - share * (1 - least)
 
-    axes = np.broadcast_to(towards, mesh.normals.shape)
-    return _traced(mesh, count, height, axes, mesh.normals, done)
+    points, normals = _places(mesh, at)
+    axes = np.broadcast_to(towards, normals.shape)
+    return _traced(mesh, (points, normals), count, height, axes, weigh=True, done=done)
+
+
+def _places(mesh: Mesh, at: At | None) -> tuple[Floats, Floats]:
+    """Return positions in the mesh's unit frame, and normals."""
+    if at is None:
+        return mesh._unit_points, mesh.normals
+    points, normals = at
+    return mesh.recentred(points), np.asarray(normals)
 
 
 def _checked(rays: int) -> int:
@@ -128,22 +150,24 @@ def _checked(rays: int) -> int:
 
 def _traced(
     mesh: Mesh,
+    places: tuple[Floats, Floats],
     rays: int,
     height: Callable[[Floats], Floats],
     axes: Floats,
-    weigh_by: Floats | None,
+    *,
+    weigh: bool,
     done: Callable[[int], None] | None,
 ) -> Openness:
-    """Trace rays round each vertex's axis; weigh them by the cosine to normals where given.
+    """Trace rays round each point's axis; weigh them by the cosine to its normal where asked to.
 
     ``height`` turns a share in [0, 1] of all rays into their cosine to the axis, from 1 downwards.
     """
     from embreex.mesh_construction import TriangleMesh
     from embreex.rtcore_scene import EmbreeScene
 
-    points = mesh._unit_points
+    points, normals = places
     scene = EmbreeScene()
-    TriangleMesh(scene, points.astype(np.float32), mesh.faces.astype(np.int32))
+    TriangleMesh(scene, mesh._unit_points.astype(np.float32), mesh.faces.astype(np.int32))
     number = np.arange(rays, dtype=np.float32)
     angle = 2 * np.pi * (np.arange(rays) * _GOLDEN % 1)
     cos, sin = np.cos(angle).astype(np.float32), np.sin(angle).astype(np.float32)
@@ -161,13 +185,13 @@ def _traced(
         for axis in range(3):  # rather than over (…, 3) at once, which takes twice as long
             x, y, z = (v[:, axis, None] for v in frame)
             directions[..., axis] = local[0] * x + local[1] * y + local[2] * z
-        starts = (points[here] + _OFFSET * mesh.normals[here]).astype(np.float32)
+        starts = (points[here] + _OFFSET * normals[here]).astype(np.float32)
         origins = np.repeat(starts, rays, axis=0)
-        if weigh_by is None:
+        if not weigh:
             hit = scene.run(origins, directions.reshape(-1, 3), query="OCCLUDED")
             light = (hit < 0).reshape(up.shape)
         else:
-            light = np.einsum("ij,ikj->ik", weigh_by[here].astype(np.float32), directions)
+            light = np.einsum("ij,ikj->ik", normals[here].astype(np.float32), directions)
             lit = np.flatnonzero(light > 0)
             if len(lit):
                 rays_lit = origins[lit], directions.reshape(-1, 3)[lit]
@@ -177,7 +201,7 @@ def _traced(
 
     batch = max(1, _BATCH // rays)
     each(work, spans(len(points), -(-len(points) // batch)), done)
-    whole = np.ones(rays) if weigh_by is None else height((np.arange(rays) + 0.5) / rays)
+    whole = np.ones(rays) if not weigh else height((np.arange(rays) + 0.5) / rays)
     values = halves.sum(axis=0) / whole.sum()
     difference = halves[0] / whole[::2].sum() - halves[1] / whole[1::2].sum()
     error = float(np.sqrt(np.mean(difference**2))) / 2

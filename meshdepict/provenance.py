@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
 
@@ -14,7 +13,7 @@ if TYPE_CHECKING:
     from meshdepict.scales import ScaleSpace
     from meshdepict.scene import Light, View
 
-__all__ = ["describe", "digest", "was_baked"]
+__all__ = ["describe", "was_baked"]
 
 
 def describe(
@@ -41,7 +40,6 @@ def describe(
     """
     from meshdepict import __version__
 
-    mesh = space.shape
     values = {name: options.get(name, o.default) for name, o in options_of(function).items()}
     occlusion = [
         f"{rays} rays, rms error {error:.2g}" for rays, error in space.occlusion_errors.items()
@@ -58,15 +56,8 @@ def describe(
         "view": f"{view}, up {up}" if isinstance(view, str) else str(view),
         "colormap": colormap or "gray",
         "albedo": albedo,
-        "mesh": f"{len(mesh.vertices)} vertices {len(mesh.faces)} triangles sha256 {digest(mesh)}",
+        space.shape.kind: space.shape.identity,
     }
-
-
-def digest(mesh: Mesh) -> str:
-    """Return the first 16 digits of the SHA-256 of vertices and triangles."""
-    sha = hashlib.sha256(mesh.vertices.data)
-    sha.update(mesh.faces.data)
-    return sha.hexdigest()[:16]
 
 
 def was_baked(mesh: Mesh) -> bool:

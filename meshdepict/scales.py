@@ -13,7 +13,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshdepict.errors import MeshdepictError
-from meshdepict.smoothing import NormalSums
 
 if TYPE_CHECKING:
     from meshdepict.curvature import PrincipalCurvatures, ViewCurvature
@@ -21,7 +20,7 @@ if TYPE_CHECKING:
     from meshdepict.occlusion import Openness
     from meshdepict.scene import View
 
-__all__ = ["ScaleSpace", "resolve_width", "scale_space", "smooth_normals"]
+__all__ = ["Progress", "ScaleSpace", "reporter", "resolve_width", "scale_space", "smooth_normals"]
 
 Progress = Callable[[float, float], None]
 
@@ -29,11 +28,13 @@ Progress = Callable[[float, float], None]
 class ScaleSpace:
     """Positions and unit normals of samples at every scale, from fine to coarse.
 
-    Made by `scale_space`. Shading functions take it and ask for nothing else.
+    Made by `scale_space`. Shading functions take it and ask for nothing else. Each kind of shape
+    has a class of its own (`MeshSpace`, `GridSpace`, `ImageSpace`) that says how its normals bend
+    (`_principal`, `_turns`), what rays can meet (`surface`) and how values are averaged (`mean`).
 
     Attributes
     ----------
-    shape : Mesh
+    shape : Mesh, Volume or GBuffer
         What was sampled.
     points : (n, 3) array of float64
         World positions of the samples.
@@ -49,7 +50,7 @@ class ScaleSpace:
 
     def __init__(
         self,
-        shape: Mesh,
+        shape: Any,
         points: NDArray[np.float64],
         widths: NDArray[np.float64],
         ratio: float,
@@ -90,11 +91,9 @@ class ScaleSpace:
         MeshdepictError
             For a scale that isn't there.
         """
-        from meshdepict.curvature import principal_curvatures
-
         scale = self._checked_scale(scale)
         if scale not in self._curvatures:
-            self._curvatures[scale] = principal_curvatures(self.shape, normals=self.normals[scale])
+            self._curvatures[scale] = self._principal(scale)
         return self._curvatures[scale]
 
     def view_curvature(
@@ -104,7 +103,6 @@ class ScaleSpace:
 
         The last view's is kept for every scale and foreshortening. Its arrays are read-only.
         """
-        from meshdepict.curvature.creases import neighbour_cosines
         from meshdepict.curvature.view import view_tensor
         from meshdepict.scene import as_view
 
@@ -119,7 +117,7 @@ class ScaleSpace:
             return seen
         normals = self.normals[scale]
         if scale not in self._creases:
-            self._creases[scale] = neighbour_cosines(self.shape, normals)
+            self._creases[scale] = self._turns(scale)
         seen = view_tensor(
             self.points, normals, self.curvature(scale), self._creases[scale], eye,
             foreshortening=foreshortening,
@@ -148,10 +146,8 @@ class ScaleSpace:
         MeshdepictError
             For a number of rays beyond 2 … 65536.
         """
-        from meshdepict.occlusion import ambient_openness
-
         if rays not in self._openness:
-            self._openness[rays] = ambient_openness(self.shape, rays=rays)
+            self._openness[rays] = self._open(rays)
             self._openness[rays].values.setflags(write=False)
         return self._openness[rays].values
 
@@ -159,6 +155,43 @@ class ScaleSpace:
     def occlusion_errors(self) -> dict[int, float]:
         """Root mean square error of the occlusion computed so far, by the number of rays."""
         return {rays: openness.error for rays, openness in self._openness.items()}
+
+    # --- what depends on the kind of shape --------------------------------------------------
+
+    @property
+    def unit_points(self) -> NDArray[np.float64]:
+        """(n, 3) positions moved to the shape's centre, in diagonals of the shape."""
+        return (self.points - self.shape._centre) / (self.shape.diagonal or 1.0)
+
+    @property
+    def surface(self) -> Mesh:
+        """The surface that rays from the samples can meet.
+
+        Raises
+        ------
+        MeshdepictError
+            Where the shape is none.
+        """
+        raise MeshdepictError(
+            f"rays need a surface to meet, and a {self.shape.kind} is none: use another method, or "
+            "shade a mesh"
+        )
+
+    def mean(self, values: NDArray[Any], width: float) -> NDArray[np.float64]:
+        """Return values (n,) averaged over the samples around under a Gaussian of a world width."""
+        raise MeshdepictError(f"values can't be averaged over a {self.shape.kind}")
+
+    def _principal(self, scale: int) -> PrincipalCurvatures:
+        raise MeshdepictError(f"a {self.shape.kind} has no curvature")
+
+    def _turns(self, scale: int) -> NDArray[np.float32]:
+        """Return the least cosine between a sample's normal and its neighbours': (n,)."""
+        raise MeshdepictError(f"a {self.shape.kind} has no creases")
+
+    def _open(self, rays: int) -> Openness:
+        from meshdepict.occlusion import ambient_openness
+
+        return ambient_openness(self.surface, at=(self.points, self.normals[0]), rays=rays)
 
     def __repr__(self) -> str:
         """Return the number of samples and the range of widths."""
@@ -168,7 +201,7 @@ class ScaleSpace:
 
 
 def scale_space(
-    shape: Mesh,
+    shape: Any,
     *,
     scales: int = 9,
     width: float | str | None = None,
@@ -184,7 +217,8 @@ def scale_space(
 
     Parameters
     ----------
-    shape : Mesh
+    shape : Mesh, Volume or GBuffer
+        Of a volume or an image the sums are over its grid; see `grid_space` and `image_space`.
     scales : int
         Number of smoothed sets, ≥ 0; the original normals come before them.
     width : float or str, optional
@@ -210,22 +244,12 @@ def scale_space(
         For a parameter out of its range.
     """
     _check(scales, ratio, facing, tolerance)
-    first = resolve_width(width, shape)
-    with np.errstate(over="ignore"):
-        widths = np.concatenate(([0.0], first * ratio ** np.arange(scales, dtype=float)))
-    if not np.isfinite(widths).all():
-        raise MeshdepictError(f"{scales} scales of ratio {ratio:g} grow beyond all numbers")
-    planes = np.empty((scales + 1, 3, len(shape.vertices)), np.float32)
-    planes[0] = shape.normals.T
-    sums = NormalSums(shape, facing, tolerance) if scales else None
-    reference = shape.normals.T
-    for scale in range(1, scales + 1):
-        assert sums is not None
-        reference = sums.direction(widths[scale], reference, _reporter(progress, scale, scales))
-        planes[scale] = reference
-    return ScaleSpace(
-        shape, shape.vertices, widths, float(ratio), planes, facing=facing, tolerance=tolerance
-    )
+    if getattr(shape, "kind", None) != "mesh":
+        raise MeshdepictError(f"a {type(shape).__name__} has no scale space: give a Mesh")
+    from meshdepict.mesh_scales import mesh_space
+
+    widths = _ladder(scales, ratio, resolve_width(width, shape))
+    return mesh_space(shape, widths, ratio, facing=facing, tolerance=tolerance, progress=progress)
 
 
 def smooth_normals(
@@ -248,7 +272,16 @@ def smooth_normals(
     return space.normals[-1]
 
 
-def resolve_width(width: float | str | None, shape: Mesh) -> float:
+def _ladder(scales: int, ratio: float, first: float) -> NDArray[np.float64]:
+    """Return the widths: 0, then the first one and its followers."""
+    with np.errstate(over="ignore"):
+        widths = np.concatenate(([0.0], first * ratio ** np.arange(scales, dtype=float)))
+    if not np.isfinite(widths).all():
+        raise MeshdepictError(f"{scales} scales of ratio {ratio:g} grow beyond all numbers")
+    return widths
+
+
+def resolve_width(width: float | str | None, shape: Any) -> float:
     """Return a width in world units: a number, "0.2%" of the diagonal, or None, the median edge."""
     if width is None:
         return float(shape.edge_length)
@@ -278,7 +311,7 @@ def _check(scales: int, ratio: float, facing: int, tolerance: float) -> None:
         raise MeshdepictError(f"tolerance={tolerance!r} is not an angle from 1e-7 to 0.1 radians")
 
 
-def _reporter(progress: Progress | None, scale: int, scales: int) -> Callable[[float], None] | None:
+def reporter(progress: Progress | None, scale: int, scales: int) -> Callable[[float], None] | None:
     """Turn shares of one scale's work into ``progress(done, total)`` over all scales."""
     if progress is None:
         return None

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,9 +22,6 @@ from meshdepict.lights import (
     unit,
 )
 from meshdepict.options import nearest
-
-if TYPE_CHECKING:
-    from meshdepict.mesh import Mesh
 
 __all__ = [
     "LIGHTS",
@@ -137,7 +134,7 @@ class View:
 
     @classmethod
     def fitted(
-        cls, name: str, shape: Mesh, *, up: str = "y", aspect: float = 1.0, height_px: int = 1000
+        cls, name: str, shape: Any, *, up: str = "y", aspect: float = 1.0, height_px: int = 1000
     ) -> View:
         """Make the named parallel view that shows the whole shape with a margin of 5 %.
 
@@ -145,7 +142,7 @@ class View:
         ----------
         name : str
             "front", "back", "left", "right", "top", "bottom" or "isometric".
-        shape : Mesh
+        shape : Mesh, Volume or GBuffer
         up : {"y", "z"}
             Which axis of the object points up.
         aspect : float
@@ -160,7 +157,7 @@ class View:
             raise MeshdepictError(f"aspect={aspect!r} is not a positive ratio")
         towards, upwards = named_directions(name, up)
         eye = cls(towards, (0, 0, 0), upwards, parallel_scale=1.0)
-        seen = (shape.vertices - shape._centre) @ eye.frame.T
+        seen = (shape.outline - shape._centre) @ eye.frame.T
         low, high = seen.min(axis=0), seen.max(axis=0)
         half = (high - low) / 2
         scale = max(float(half[1]), float(half[0]) / aspect) * _MARGIN
@@ -192,6 +189,6 @@ def named_directions(name: str, up: str = "y") -> tuple[Vector, Vector]:
     return towards, upwards
 
 
-def as_view(view: str | View, shape: Mesh, *, up: str = "y") -> View:
+def as_view(view: str | View, shape: Any, *, up: str = "y") -> View:
     """Return a view: given as such or by name, then fitted to the shape."""
     return view if isinstance(view, View) else View.fitted(view, shape, up=up)

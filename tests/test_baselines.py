@@ -10,7 +10,6 @@ from meshdepict.errors import MeshdepictError
 from meshdepict.shading.accessibility import accessible_radii
 from meshdepict.shading.gooch import tones
 from meshdepict.shading.normal_enhancement import enhanced_normals
-from meshdepict.shading.unsharp_masking import surface_mean
 
 NORTHWEST = np.array([-1, 1, 1]) / np.sqrt(3)
 
@@ -160,18 +159,18 @@ def test_the_surface_mean_is_the_direct_sum(space, rng):
     for i in (0, 17, 901):
         weight = areas * np.exp(-((x - x[i]) ** 2).sum(1) / (2 * width**2))
         expected = (weight * c).sum() / weight.sum()
-        assert surface_mean(space, c, width)[i] == pytest.approx(expected, abs=1e-3)
+        assert space.mean(c, width)[i] == pytest.approx(expected, abs=1e-3)
 
 
 def test_the_mean_of_a_constant_is_the_constant(space):
-    mean = surface_mean(space, np.full(len(space.points), 0.7), float(space.widths[-1]))
+    mean = space.mean(np.full(len(space.points), 0.7), float(space.widths[-1]))
     np.testing.assert_allclose(mean, 0.7, atol=2e-3)
 
 
 def test_points_without_area_keep_their_shading():
     mesh = md.Mesh([[0, 0, 0], [1, 0, 0], [2, 0, 0]], [[0, 1, 2]])
     space = md.scale_space(mesh, scales=2)
-    np.testing.assert_allclose(surface_mean(space, np.array([0.1, 0.5, 0.9]), 0.5), [0.1, 0.5, 0.9])
+    np.testing.assert_allclose(space.mean(np.array([0.1, 0.5, 0.9]), 0.5), [0.1, 0.5, 0.9])
 
 
 @pytest.mark.parametrize("name", ["normal_enhancement", "unsharp_masking"])

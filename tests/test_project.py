@@ -13,14 +13,14 @@ README = (ROOT / "README.md").read_text(encoding="utf-8")
 
 # A module's top-level imports come only from rooms to its left.
 ORDER = [
-    "errors options threads",
+    "errors options threads fingerprint",
     "triangles polygons mesh_input welding edges icosahedron sidedness orientation",
     "mesh",
     "samples defects io exchange",
     "direct_sums spectral_sums gaussian",
     "smoothing",
     "curvature",
-    "scales",
+    "scales mesh_scales",
     "lights",
     "scene equirectangular environment material",
     "occlusion",
@@ -30,6 +30,7 @@ ORDER = [
     "recipe",
     "viewer console",
     "report batch",
+    "commands",
     "cli",
     "__main__",
 ]

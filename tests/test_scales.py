@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 from conftest import angle_between, rotation
 
-from meshdepict import samples, scale_space, smooth_normals
-from meshdepict import scales as scales_module
+from meshdepict import mesh_scales, samples, scale_space, smooth_normals
 from meshdepict.errors import MeshdepictError
 from meshdepict.mesh import Mesh
 from meshdepict.scales import resolve_width
@@ -179,7 +178,7 @@ def test_a_cavity_stays_a_cavity():
 
 
 def test_no_scales_compute_no_sums(ball, monkeypatch):
-    monkeypatch.setattr(scales_module, "NormalSums", None)
+    monkeypatch.setattr(mesh_scales, "NormalSums", None)
     space = scale_space(ball, scales=0)
     assert space.normals.shape == (1, len(ball.vertices), 3)
     assert list(space.widths) == [0]

@@ -84,5 +84,5 @@ def accessibility(
         Display values in [0, 1].
     """
     del light
-    radii = accessible_radii(space.shape._unit_points, space.shape.normals, cap)
+    radii = accessible_radii(space.unit_points, space.normals[0], cap)
     return exposed((radii / cap).astype(np.float32), exposure)

@@ -48,4 +48,6 @@ def sky_view(
         Display values in [0, 1]; 1 for an open surface that faces the light.
     """
     towards = as_light(light).direction
-    return exposed(sky_openness(space.shape, towards, spread=spread, rays=rays).values, exposure)
+    at = space.points, space.normals[0]
+    found = sky_openness(space.surface, towards, at=at, spread=spread, rays=rays)
+    return exposed(found.values, exposure)

@@ -12,34 +12,7 @@ from meshdepict.scales import ScaleSpace
 from meshdepict.scene import as_light
 from meshdepict.shading.method import Exposure, exposed, method, require_smoothing
 
-__all__ = ["surface_mean", "unsharp_masking"]
-
-# Of a smoothed value, relative: at the default amount less than half of one of 256 grey levels.
-_ERROR = 1e-3
-
-
-def surface_mean(space: ScaleSpace, values: NDArray[Any], width: float) -> NDArray[np.float32]:
-    """Return values (n,) in [0, 1], averaged over the surface under a Gaussian.
-
-    ``Σ_j A_j G(x_i − x_j) c_j / Σ_j A_j G(x_i − x_j)`` with mixed Voronoi areas A; a point with no
-    area in reach keeps its value.
-
-    Parameters
-    ----------
-    space : ScaleSpace
-    values : (n,) array
-    width : float
-        Standard deviation in world units.
-    """
-    from meshdepict.gaussian import gaussian_sums
-
-    shape = space.shape
-    mass = shape._unit_areas / (shape._unit_areas.max() or 1.0)
-    scaled = max(width / (shape.diagonal or 1.0), 1e-18)
-    sums = gaussian_sums(shape._unit_points, np.stack([mass, mass * values]), scaled, error=_ERROR)
-    some = sums[0] > 0
-    mean = np.where(some, sums[1] / np.where(some, sums[0], 1), values)
-    return np.clip(mean, 0, 1).astype(np.float32)
+__all__ = ["unsharp_masking"]
 
 
 @method(scales=5, linear=True, source="3D unsharp masking (Ritschel et al. 2008)")
@@ -77,5 +50,5 @@ def unsharp_masking(
     require_smoothing(space, "unsharp masking", scales=5)
     direction = as_light(light).direction.astype(np.float32)
     c = np.maximum(space.normals[0] @ direction, 0)
-    mean = surface_mean(space, c, float(space.widths[-1]))
+    mean = np.clip(space.mean(c, float(space.widths[-1])), 0, 1).astype(np.float32)
     return exposed(c + np.float32(amount) * (c - mean), exposure)

@@ -32,8 +32,8 @@ def warped_openness(
     from embreex.mesh_construction import TriangleMesh
     from embreex.rtcore_scene import EmbreeScene
 
-    mesh = space.shape
-    points, normals = mesh._unit_points, np.ascontiguousarray(space.normals[0])
+    mesh = space.surface
+    points, normals = mesh.recentred(space.points), np.ascontiguousarray(space.normals[0])
     scene = EmbreeScene()
     TriangleMesh(scene, points.astype(np.float32), mesh.faces.astype(np.int32))
     free = np.zeros(len(points), np.int64)
