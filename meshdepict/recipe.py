@@ -15,7 +15,7 @@ from meshdepict.baking import bake, find_method
 from meshdepict.errors import MeshdepictError
 from meshdepict.io.atomic import atomic_write
 from meshdepict.options import check, nearest, options_of
-from meshdepict.scene import Light
+from meshdepict.scene import Light, View
 
 __all__ = ["LOOK", "load_recipe", "merge_recipe", "save_recipe"]
 
@@ -24,6 +24,8 @@ LOOK = (
     "colormap", "colormap2d", "albedo",
 )  # fmt: skip
 """What a recipe holds beside the method's options: keywords of `bake`."""
+
+_SIGHT = ("position", "focus", "up", "height_px", "field_of_view", "parallel_scale")
 
 _MARK = "# meshdepict recipe"
 
@@ -53,6 +55,8 @@ def load_recipe(path: str | os.PathLike[str]) -> dict[str, Any]:
         raise MeshdepictError(f"{path}: options must be a table, [options]")
     method = read.setdefault("method", _default("method"))
     options = check(find_method(method), options, f"{path}: {method}")
+    if isinstance(read.get("view"), Mapping):
+        read["view"] = _view(path, read["view"])
     if isinstance(read.get("light"), list):
         read["light"] = tuple(read["light"])
     return {**read, **options}
@@ -82,8 +86,8 @@ def save_recipe(
     Raises
     ------
     MeshdepictError
-        For settings that no file can hold, such as a view with coordinates of its own, and where
-        the file may not be replaced or written.
+        For settings that no file can hold, such as a material, and where the file may not be
+        replaced or written.
     """
     from meshdepict import __version__
     from meshdepict.shading import declaration
@@ -99,6 +103,9 @@ def save_recipe(
     look["ratio"] = look["ratio"] or declared.ratio
     if isinstance(look["light"], Light):
         look["light"] = look["light"].direction.tolist()
+    if isinstance(look["view"], View):
+        fields = ((name, getattr(look["view"], name)) for name in _SIGHT)
+        look["view"] = {name: value for name, value in fields if value is not None}
     given = {name: value for name, value in settings.items() if name not in LOOK}
     options = {name: option.default for name, option in options_of(function).items()}
     options |= check(function, given, method)
@@ -124,12 +131,29 @@ def _is_recipe(path: Path) -> bool:
         return False
 
 
+def _view(path: str | os.PathLike[str], fields: Mapping[str, Any]) -> View:
+    for name in fields:
+        if name not in _SIGHT:
+            raise MeshdepictError(
+                f"{path}: a view has no {name!r}{nearest(name, _SIGHT)} "
+                f"(it has {', '.join(_SIGHT)})"
+            )
+    try:
+        return View(**fields)
+    except (MeshdepictError, TypeError) as error:
+        raise MeshdepictError(f"{path}: {error}") from None
+
+
 def _lines(table: Mapping[str, Any]) -> list[str]:
     return [f"{name} = {_value(name, value)}" for name, value in table.items() if value is not None]
 
 
 def _value(name: str, value: Any) -> str:
     """Return a value as TOML writes it."""
+    if isinstance(value, Mapping):
+        return (
+            "{ " + ", ".join(f"{key} = {_value(key, item)}" for key, item in value.items()) + " }"
+        )
     if isinstance(value, str):
         return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
     if isinstance(value, (list, tuple)) or hasattr(value, "tolist"):

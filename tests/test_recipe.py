@@ -123,7 +123,32 @@ def test_other_files_are_not_replaced(run, ball_ply):
 
 
 def test_what_no_file_can_hold_is_refused(folder):
-    view = md.View((0, 0, 5), (0, 0, 0), (0, 1, 0))
-    with pytest.raises(MeshdepictError, match="a recipe can't hold view="):
-        save_recipe("look.toml", {"view": view})
+    from meshdepict.material import Phong
+
+    material = Phong(shininess=5)
+    with pytest.raises(MeshdepictError, match="a recipe can't hold material="):
+        save_recipe("look.toml", {"method": "radiance_scaling", "material": material})
     assert not Path("look.toml").exists()
+
+
+@pytest.mark.parametrize("projection", [{"field_of_view": 40}, {"parallel_scale": 2.5}])
+def test_a_view_of_ones_own_comes_back(folder, projection):
+    view = md.View((0, 1, 5), (0, 0.5, 0), (0, 1, 0), height_px=700, **projection)
+    save_recipe("look.toml", {"view": view})
+    found = load_recipe("look.toml")["view"]
+    for name in ("position", "focus", "up", "height_px", "field_of_view", "parallel_scale"):
+        np.testing.assert_array_equal(getattr(found, name), getattr(view, name))
+
+
+@pytest.mark.parametrize(
+    ("fields", "sentence"),
+    [
+        ("focus = [0, 0, 0], positon = [0, 0, 5]", "a view has no 'positon'; did you mean"),
+        ("focus = [0, 0, 0], up = [0, 1, 0]", "missing 1 required positional argument"),
+        ("position = [0, 0, 0], focus = [0, 0, 0], up = [0, 1, 0]", "are the same point"),
+    ],
+)
+def test_a_view_that_is_none_gets_a_sentence(folder, fields, sentence):
+    (folder / "look.toml").write_text(f"view = {{ {fields} }}")
+    with pytest.raises(MeshdepictError, match=f"look.toml: .*{sentence}"):
+        load_recipe("look.toml")
