@@ -131,7 +131,7 @@ class Mesh:
         """World positions (n, 3) that a fitted view has to show: the vertices."""
         return self.vertices
 
-    @property
+    @cached_property
     def identity(self) -> str:
         """Counts, and the fingerprint of vertices and triangles."""
         counts = f"{len(self.vertices)} vertices {len(self.faces)} triangles"

@@ -1,0 +1,134 @@
+import numpy as np
+import pytest
+
+from meshdepict import bake
+from meshdepict.baking import scale_space
+from meshdepict.errors import MeshdepictError
+from meshdepict.shading import METHODS
+from meshdepict.viewer import session as session_module
+from meshdepict.viewer.controls import controls
+from meshdepict.viewer.session import Session
+
+
+@pytest.fixture
+def session(ball):
+    return Session(ball, scales=3)
+
+
+def test_a_session_shows_what_bake_bakes(ball, session):
+    baked = bake(ball, light="northwest", scales=3)
+    np.testing.assert_array_equal(session.colors, baked.colors)
+    differing = {"view"}  # fitted already
+    for key in baked.provenance.keys() - differing:
+        assert session.baked().provenance[key] == baked.provenance[key]
+    session.use("light_alignment")
+    session.set(strength=0.7)
+    session.shine((90, 20))
+    expected = bake(ball, "light_alignment", light=(90, 20), strength=0.7, scales=3)
+    np.testing.assert_array_equal(session.colors, expected.colors)
+
+
+def test_nothing_is_shaded_twice_and_scale_spaces_are_shared(ball, monkeypatch):
+    made = []
+
+    def counted(*given, **more):
+        made.append(more.get("scales"))
+        return scale_space(*given, **more)
+
+    monkeypatch.setattr(session_module, "scale_space", counted)
+    session = Session(ball, scales=2)
+    for method in ("exaggerated", "lambert", "light_warping", "toon", "exaggerated"):
+        session.use(method)
+        assert session.colors is session.colors
+    assert made == [2]
+    session.use("light_alignment")  # another ratio
+    assert session.colors.shape == (len(ball.vertices), 3)
+    assert made == [2, 2]
+
+
+def test_a_session_without_smoothing_makes_none(ball, monkeypatch):
+    session = Session(ball, "lambert")
+    assert len(session.space.widths) == 1
+
+
+def test_each_method_keeps_its_options(session):
+    session.set(exaggeration=40)
+    session.use("phong")
+    assert session.options == {}
+    session.use("exaggerated")
+    assert session.options == {"exaggeration": 40}
+    session.set(exaggeration=None)
+    assert session.options == {"exaggeration": 15}
+
+
+def test_reset_goes_back_to_the_beginning(session):
+    before = session.colors
+    session.shine("east")
+    session.set(exaggeration=40)
+    session.paint("sepia")
+    session.use("gooch")
+    assert not np.array_equal(session.colors, before)
+    session.reset()
+    np.testing.assert_array_equal(session.colors, before)
+    assert session.method == "exaggerated"
+
+
+def test_colour_maps_leave_coloured_shading_alone(session):
+    session.use("lit_sphere")
+    before = session.colors.copy()
+    session.paint("sepia")
+    np.testing.assert_array_equal(session.colors, before)
+    session.use("exaggerated")
+    assert session.baked().provenance["colormap"] == "sepia"
+
+
+def test_another_view_matters_only_to_methods_that_see(session):
+    before = session.baked()
+    session.look("top")
+    assert session.baked() is before
+    session.use("phong")
+    first = session.baked()
+    session.look("back")
+    assert session.baked() is not first
+
+
+def test_settings_bake_the_same(ball, session):
+    session.set(exaggeration=30)
+    session.paint("stone")
+    settings = session.settings()
+    np.testing.assert_array_equal(bake(ball, **settings).colors, session.colors)
+
+
+@pytest.mark.parametrize(
+    ("change", "sentence"),
+    [
+        (lambda s: s.use("exagerated"), "did you mean 'exaggerated'"),
+        (lambda s: s.set(exageration=3), "did you mean 'exaggeration'"),
+        (lambda s: s.set(exaggeration=-1), "exaggeration=-1"),
+        (lambda s: s.shine("nrth"), "did you mean 'north'"),
+        (lambda s: s.look("frnt"), "did you mean 'front'"),
+        (lambda s: s.paint("sepa"), "did you mean 'sepia'"),
+    ],
+)
+def test_a_refused_change_changes_nothing(session, change, sentence):
+    before = session.colors
+    with pytest.raises(MeshdepictError, match=sentence):
+        change(session)
+    np.testing.assert_array_equal(session.colors, before)
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_every_option_has_a_control_that_starts_within_its_range(method, session):
+    session.use(method)
+    for control in controls(method):
+        assert control.kind in ("slider", "list", "text")
+        assert control.help
+        if control.kind == "slider":
+            assert control.low < control.high
+            session.set(**{control.name: control.low})
+            session.set(**{control.name: control.high})
+        if control.kind == "list":
+            for choice in control.choices:
+                session.set(**{control.name: choice})
+        if control.default is not None:
+            session.set(**{control.name: control.start})
