@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import inspect
 import os
 from collections.abc import Callable, Mapping
@@ -20,6 +21,7 @@ from meshdepict.scene import View, as_light, as_lighting, as_view
 
 if TYPE_CHECKING:
     from meshdepict.mesh import Mesh
+    from meshdepict.refinement import EdgeError
 
 __all__ = ["Baked", "as_mesh", "bake", "find_method"]
 
@@ -47,12 +49,24 @@ class Baked:
         colors: NDArray[np.uint8],
         provenance: Mapping[str, str],
         view: View,
+        *,
+        measure: Callable[[], EdgeError] | None = None,
     ) -> None:
         self.shape = shape
         self.intensity = intensity
         self.colors = colors
         self.provenance = dict(provenance)
         self.view = view
+        self._measure = measure
+
+    @functools.cached_property
+    def edge_error(self) -> EdgeError | None:
+        """How far colours between vertices are from shading there; measured when asked for.
+
+        None where that can't be said: of a refined bake, two lights, and methods that look at more
+        than a sample's own normals and curvature.
+        """
+        return self._measure() if self._measure is not None else None
 
     def __repr__(self) -> str:
         """Return method and size."""
@@ -135,6 +149,7 @@ def bake(
     colormap: str | None = None,
     colormap2d: str | None = None,
     albedo: str = "none",
+    refine: float | None = None,
     progress: Callable[[float, float], None] | None = None,
     **options: Any,
 ) -> Baked:
@@ -163,6 +178,10 @@ def bake(
         view sees it (northwest and northeast).
     albedo : {"none", "keep"}
         "keep" multiplies the shape's own vertex colours, in linear light.
+    refine : float, optional
+        Split the triangles inside which interpolated colours are off by more than so many of 255
+        grey levels, until they are not (five times at most); see `Baked.edge_error`. New vertices
+        come after the old ones.
     progress : callable, optional
         ``progress(done, total)``.
     **options
@@ -210,11 +229,29 @@ def bake(
         )
     needed = {"view": eye} if "view" in inspect.signature(function).parameters else {}
 
-    def shade(lamp: Any) -> NDArray[np.float32]:
+    def shade(lamp: Any, space: ScaleSpace = space) -> NDArray[np.float32]:
         return function(space, lamp, **needed, **options)
 
     linear = declared.linear
-    if colormap2d is None:
+    measure = None
+    local = declared.local and colormap2d is None and mesh.kind == "mesh"
+    if local:
+        from meshdepict import refinement
+
+        measure = functools.partial(
+            refinement.edge_error, space, functools.partial(shade, lamp), linear=linear
+        )
+    if refine is not None:
+        if not local:
+            raise MeshdepictError(
+                "refine is for meshes, one light and methods that shade each sample by itself: "
+                f"leave it out with {method if colormap2d is None else 'colormap2d'}"
+            )
+        mesh, intensity = refinement.refine(
+            space, functools.partial(shade, lamp), linear=linear, levels=refine
+        )
+        own, measure = _own_colors(mesh) if albedo == "keep" else None, None
+    elif colormap2d is None:
         intensity = shade(lamp)
     else:
         intensity = color2d.both_lights(shade, lamp, eye, colormap2d, linear=linear)
@@ -232,7 +269,9 @@ def bake(
         colormap=colormap or colormap2d,
         albedo=albedo,
     )
-    return Baked(mesh, intensity, colors, provenance, eye)
+    if refine is not None:
+        provenance["refined"] = f"to {refine:g} grey levels, {len(mesh.faces)} triangles"
+    return Baked(mesh, intensity, colors, provenance, eye, measure=measure)
 
 
 def find_method(name: str) -> Callable[..., Any]:

@@ -36,16 +36,25 @@ class Declaration:
         Whether its values are linear light, to be encoded as sRGB, or display values.
     source : str
         The paper.
+    local : bool
+        Whether a sample's value follows from its own normals and curvature alone, so that some
+        samples can be shaded without the others.
     """
 
     scales: int
     ratio: float
     linear: bool
     source: str
+    local: bool = True
 
 
 def method(
-    *, scales: int = 0, ratio: float = math.sqrt(2), linear: bool = False, source: str
+    *,
+    scales: int = 0,
+    ratio: float = math.sqrt(2),
+    linear: bool = False,
+    local: bool = True,
+    source: str,
 ) -> Callable[[Function], Function]:
     """Declare a shading function: its scales, the kind of its values and its paper.
 
@@ -68,7 +77,7 @@ def method(
             }
             return function(space, light, **{**given, **check(function, options, name)})
 
-        shade.declaration = Declaration(scales, ratio, linear, source)  # type: ignore[attr-defined]
+        shade.declaration = Declaration(scales, ratio, linear, source, local)  # type: ignore[attr-defined]
         return cast("Function", shade)
 
     return declare

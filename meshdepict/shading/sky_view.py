@@ -17,7 +17,9 @@ from meshdepict.shading.method import Exposure, exposed, method
 __all__ = ["sky_view"]
 
 
-@method(source="Sky-view factor (Zakšek, Oštir and Kokalj 2011); directional occlusion")
+@method(
+    local=False, source="Sky-view factor (Zakšek, Oštir and Kokalj 2011); directional occlusion"
+)
 def sky_view(
     space: ScaleSpace,
     light: Any,

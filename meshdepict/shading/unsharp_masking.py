@@ -15,7 +15,7 @@ from meshdepict.shading.method import Exposure, exposed, method, require_smoothi
 __all__ = ["unsharp_masking"]
 
 
-@method(scales=5, linear=True, source="3D unsharp masking (Ritschel et al. 2008)")
+@method(local=False, scales=5, linear=True, source="3D unsharp masking (Ritschel et al. 2008)")
 def unsharp_masking(
     space: ScaleSpace,
     light: Any,
