@@ -24,6 +24,7 @@ from meshdepict.equirectangular import (
 )
 from meshdepict.errors import MeshdepictError
 from meshdepict.scene import Light
+from meshdepict.upright import upright
 
 __all__ = ["LUMINANCE", "Environment"]
 
@@ -45,7 +46,7 @@ class Environment:
     ----------
     pixels : (h, w, 3) array_like
         Linear RGB radiance, equirectangular, as this module's docstring lays it out.
-    up : {"y", "z"}
+    up : {"y", "z", "-y", "-z"}
         Which axis of the world points up.
     name : str
         What a caption calls it.
@@ -60,8 +61,7 @@ class Environment:
             raise MeshdepictError("an environment's pixels must have shape (rows, columns, 3)")
         if not np.isfinite(array).all() or (array < 0).any():
             raise MeshdepictError("an environment's pixels must be finite and not negative")
-        if up not in ("y", "z"):
-            raise MeshdepictError(f"up={up!r} is neither 'y' nor 'z'")
+        upright(up)  # refuses what can't be up
         array.setflags(write=False)
         self.pixels = array
         self.up = up

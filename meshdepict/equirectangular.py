@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshdepict.errors import MeshdepictError
+from meshdepict.upright import upright
 
 __all__ = ["bilinear", "grid", "median_cut", "read_radiance", "to_picture", "to_world"]
 
@@ -34,16 +35,12 @@ def grid(height: int, width: int) -> NDArray[np.float64]:
 
 def to_picture(directions: Floats, up: str) -> Floats:
     """Turn world directions into the picture's frame, whose y is up."""
-    if up == "y":
-        return directions
-    return np.stack([directions[..., 0], directions[..., 2], -directions[..., 1]], axis=-1)
+    return directions if up == "y" else directions @ upright(up)
 
 
 def to_world(directions: Floats, up: str) -> Floats:
-    """Turn directions of the picture into the world, whose up is y or z."""
-    if up == "y":
-        return directions
-    return np.stack([directions[..., 0], -directions[..., 2], directions[..., 1]], axis=-1)
+    """Turn directions of the picture into a world where another axis may be up."""
+    return directions if up == "y" else directions @ upright(up).T
 
 
 def bilinear(pixels: NDArray[np.float32], directions: Floats) -> NDArray[np.float32]:

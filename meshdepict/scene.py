@@ -22,6 +22,7 @@ from meshdepict.lights import (
     unit,
 )
 from meshdepict.options import nearest
+from meshdepict.upright import upright
 
 __all__ = [
     "LIGHTS",
@@ -143,7 +144,7 @@ class View:
         name : str
             "front", "back", "left", "right", "top", "bottom" or "isometric".
         shape : Mesh, Volume or GBuffer
-        up : {"y", "z"}
+        up : {"y", "z", "-y", "-z"}
             Which axis of the object points up.
         aspect : float
             Width over height of the picture.
@@ -174,18 +175,15 @@ class View:
 def named_directions(name: str, up: str = "y") -> tuple[Vector, Vector]:
     """Return (towards the eye, up) of a named view, in world space.
 
-    With ``up="z"`` the frame is turned so that z points up and the front is seen from −y.
+    With ``up="z"`` the frame is turned so that z points up and the front is seen from −y. "-y" and
+    "-z" are for shapes that stand on their heads: half a turn about the line of sight of the front.
     """
     if not isinstance(name, str) or name not in _VIEWS:
         raise MeshdepictError(
             f"no view is called {name!r}{nearest(name, VIEWS)} (there are {', '.join(VIEWS)})"
         )
-    if up not in ("y", "z"):
-        raise MeshdepictError(f"up={up!r} is neither 'y' nor 'z'")
-    towards, upwards = (np.array(v, dtype=np.float64) for v in _VIEWS[name])
-    if up == "z":
-        turn = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
-        towards, upwards = turn @ towards, turn @ upwards
+    turn = upright(up)
+    towards, upwards = (turn @ np.array(v, np.float64) for v in _VIEWS[name])
     return towards, upwards
 
 

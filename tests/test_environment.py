@@ -173,7 +173,7 @@ def test_refusals(tmp_path, rng):
         with pytest.raises(MeshdepictError, match="finite and not negative"):
             Environment(np.full((2, 4, 3), value))
     white = Environment(np.ones((2, 4, 3)))
-    with pytest.raises(MeshdepictError, match="neither 'y' nor 'z'"):
+    with pytest.raises(MeshdepictError, match="up='x' is not one of y, z, -y, -z"):
         Environment(np.ones((2, 4, 3)), up="x")
     for count in (0, True, 2.5):
         with pytest.raises(MeshdepictError, match="not a number of lights"):

@@ -6,6 +6,7 @@ from meshdepict import samples
 from meshdepict.errors import MeshdepictError
 from meshdepict.mesh import Mesh
 from meshdepict.scene import LIGHTS, VIEWS, Light, View, as_light, as_view, named_directions
+from meshdepict.upright import UPS
 
 SQRT3 = 3**0.5
 
@@ -150,6 +151,9 @@ def test_what_is_no_direction_of_a_light(direction):
         ("top", "z", (0, 0, 1), (0, 1, 0)),
         ("bottom", "z", (0, 0, -1), (0, -1, 0)),
         ("isometric", "z", (1, -1, 1), (0, 0, 1)),
+        ("front", "-y", (0, 0, 1), (0, -1, 0)),
+        ("front", "-z", (0, -1, 0), (0, 0, -1)),
+        ("right", "-z", (-1, 0, 0), (0, 0, -1)),
     ],
 )
 def test_where_named_views_look_from(name, up, eye, upwards):
@@ -158,7 +162,7 @@ def test_where_named_views_look_from(name, up, eye, upwards):
     np.testing.assert_array_equal(found[1], upwards)
 
 
-@pytest.mark.parametrize("up", ["y", "z"])
+@pytest.mark.parametrize("up", UPS)
 def test_frames_are_orthonormal_and_right_handed_and_opposites_face_each_other(ball, up):
     frames = {name: View.fitted(name, ball, up=up).frame for name in VIEWS}
     for frame in frames.values():
@@ -171,7 +175,7 @@ def test_frames_are_orthonormal_and_right_handed_and_opposites_face_each_other(b
     np.testing.assert_allclose(frames["front"][1], frames["top"][2], atol=1e-15)
 
 
-@pytest.mark.parametrize("up", ["y", "z"])
+@pytest.mark.parametrize("up", UPS)
 @pytest.mark.parametrize("name", VIEWS)
 @pytest.mark.parametrize("aspect", [0.5, 1.0, 3.0])
 def test_a_fitted_view_shows_all_and_leaves_a_margin(name, up, aspect, rng):
@@ -279,7 +283,7 @@ def test_what_is_no_view(change, sentence):
         ("fornt", {}, r"no view is called 'fornt'; did you mean 'front'\? \(there are front, back"),
         (7, {}, "no view is called 7"),
         (["front"], {}, r"no view is called \['front'\]"),
-        ("front", {"up": "x"}, "up='x' is neither 'y' nor 'z'"),
+        ("front", {"up": "x"}, "up='x' is not one of y, z, -y, -z"),
         ("front", {"aspect": 0}, "aspect=0 is not a positive ratio"),
         ("front", {"aspect": np.nan}, "aspect=nan"),
         ("front", {"height_px": 0}, "height_px=0"),

@@ -10,14 +10,15 @@ from cyclopts import Group, Parameter
 from meshdepict.errors import MeshdepictError
 
 __all__ = [
-    "DETAIL", "EVERYWHERE", "FILES", "LOOK", "Colormap", "Cores", "Facing", "LightText", "Method",
-    "Options", "Quiet", "Ratio", "Scales", "Tolerance", "Up", "View", "Width", "as_light",
-    "as_size", "method_options",
+    "DETAIL", "EVERYWHERE", "FIGURE", "FILES", "LOOK", "MOTION", "Background", "Colormap", "Cores",
+    "Dpi", "Facing", "LightText", "Method", "Options", "PixelsPerUnit", "Quiet", "Ratio",
+    "ScaleBar", "Scales", "Size", "Tolerance", "Unit", "Up", "View", "Width", "as_light", "as_size",
+    "method_options",
 ]  # fmt: skip
 
-FILES, LOOK, DETAIL, EVERYWHERE = (
+FILES, MOTION, LOOK, DETAIL, FIGURE, EVERYWHERE = (
     Group(name, sort_key=place)
-    for place, name in enumerate(("Files", "Look", "Detail", "Everywhere"))
+    for place, name in enumerate(("Files", "Motion", "Look", "Detail", "Figure", "Everywhere"))
 )
 
 
@@ -75,7 +76,10 @@ View = Annotated[
         "bottom or isometric.",
     ),
 ]
-Up = Annotated[Literal["y", "z"], Parameter(group=LOOK, help="Axis of the object that points up.")]
+Up = Annotated[
+    Literal["y", "z", "-y", "-z"],
+    Parameter(group=LOOK, allow_leading_hyphen=True, help="Axis of the object that points up."),
+]
 Options = Annotated[
     list[str] | None,
     Parameter(
@@ -120,6 +124,40 @@ Facing = Annotated[
 Tolerance = Annotated[
     float,
     Parameter(converter=_number, group=DETAIL, help="Largest error of a normal, in radians."),
+]
+
+Size = Annotated[
+    str | None,
+    Parameter(
+        group=FIGURE,
+        help="Width and height: 1200x900 in pixels; 12x9cm, 120x90mm or 5x4in on paper.",
+    ),
+]
+Dpi = Annotated[
+    float | None,
+    Parameter(
+        converter=_number,
+        group=FIGURE,
+        help="Dots per inch on paper; 300 unless given where the size is on paper.",
+    ),
+]
+Background = Annotated[
+    str,
+    Parameter(group=FIGURE, help="white, paper (pale: white parts show), transparent or #rrggbb."),
+]
+ScaleBar = Annotated[
+    bool, Parameter(group=FIGURE, show_default=False, help="Draw a scale bar below the object.")
+]
+Unit = Annotated[
+    str, Parameter(group=FIGURE, help="Of the file's coordinates, for the scale bar: mm, m, µm.")
+]
+PixelsPerUnit = Annotated[
+    float | None,
+    Parameter(
+        converter=_number,
+        group=FIGURE,
+        help="Same scale for all objects; the pictures grow as needed unless --size is given.",
+    ),
 ]
 
 
