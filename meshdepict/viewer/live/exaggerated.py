@@ -1,0 +1,71 @@
+"""Exaggerated Shading in GLSL (Rusinkiewicz, Burns and DeCarlo, SIGGRAPH 2006), eqs. 3–5."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from meshdepict.scales import ScaleSpace
+from meshdepict.scene import View
+from meshdepict.shading import exaggerated
+from meshdepict.shading.attention import NEAR
+from meshdepict.shading.exaggerated import SINGULAR_LIGHT, band_weights
+from meshdepict.shading.method import require_smoothing
+from meshdepict.viewer.live.live_method import (
+    Attributes,
+    LiveMethod,
+    Options,
+    Uniforms,
+    packed,
+)
+
+__all__ = ["EXAGGERATED"]
+
+_GLSL = f"""
+vec3 shade() {{
+  vec3 l = light_direction(0);
+#ifdef ATTENTION
+  vec3 away = (vertexMC.xyz - attention.xyz) / attention.w;
+  float remoteness = 0.5 * dot(away, away);
+#endif
+  float c = weights[SETS - 1] * dot(n[SETS - 1], l);
+  for (int i = 0; i < SETS - 1; i++) {{
+    vec3 turned = l - n[i + 1] * dot(n[i + 1], l);                        // eq. 4
+    turned *= inversesqrt(dot(turned, turned) + {SINGULAR_LIGHT**2:g});
+    float detail = clamp(exaggeration * dot(n[i], turned), -1.0, 1.0);    // eq. 3
+#ifdef ATTENTION
+    detail *= exp(-remoteness / exp2(float(i)));                          // fig. 9
+#endif
+    c += weights[i] * detail;
+  }}
+  return vec3(0.5 + 0.5 * c);                                             // eq. 5
+}}
+"""
+
+
+def _attributes(space: ScaleSpace, view: View, options: Options) -> tuple[int, Attributes]:
+    require_smoothing(space, "exaggerated shading", scales=9)
+    return len(space.normals), packed(space.normals)
+
+
+def _uniforms(space: ScaleSpace, options: Options) -> Uniforms:
+    weights = band_weights(
+        space.widths, space.ratio, emphasis=options["emphasis"], contrast=options["contrast"]
+    )
+    found: Uniforms = {"weights": list(weights), "exaggeration": options["exaggeration"]}
+    if options["focus"] is not None:
+        unit = space.shape.diagonal or 1.0
+        reach = NEAR if options["radius"] is None else options["radius"] / unit
+        # Held within what float32 can divide; an infinite distance is as good as a large one.
+        focus = np.clip(space.shape.recentred(np.array(options["focus"])), -1e15, 1e15)
+        found["attention"] = (*map(float, focus), float(np.clip(reach, 1e-15, 1e15)))
+    return found
+
+
+EXAGGERATED = LiveMethod(
+    exaggerated,
+    _GLSL,
+    attributes=_attributes,
+    uniforms=_uniforms,
+    defines=lambda options: {} if options["focus"] is None else {"ATTENTION": 1},
+    only={"principal_strength": (0.0,)},
+)

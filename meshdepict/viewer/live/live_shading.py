@@ -1,0 +1,287 @@
+"""`LiveShading`: a method on a mesh, on the graphics card, following its light and options."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from meshdepict.color import encode
+from meshdepict.errors import MeshdepictError
+from meshdepict.options import check, nearest, options_of
+from meshdepict.scales import ScaleSpace
+from meshdepict.scene import Light, View, as_light, as_lights, as_view
+from meshdepict.shading import declaration
+from meshdepict.viewer.live import encoding, octahedral
+from meshdepict.viewer.live.direct import LIGHT_WARPING, PHONG, RADIANCE_SCALING
+from meshdepict.viewer.live.exaggerated import EXAGGERATED
+from meshdepict.viewer.live.lambert import HALF_LAMBERT, LAMBERT
+from meshdepict.viewer.live.light_alignment import LIGHT_ALIGNMENT
+from meshdepict.viewer.live.live_method import LiveMethod
+from meshdepict.viewer.live.locality import along_curve
+from meshdepict.viewer.live.shader import (
+    MOST_LIGHTS,
+    SURROUNDINGS,
+    assemble,
+    caught_errors,
+    set_uniforms,
+)
+
+__all__ = ["LiveShading", "live_methods"]
+
+_METHODS = {
+    method.name: method
+    for method in (
+        EXAGGERATED, LIGHT_WARPING, RADIANCE_SCALING, LIGHT_ALIGNMENT, LAMBERT, HALF_LAMBERT, PHONG,
+    )
+}  # fmt: skip
+
+
+def live_methods() -> tuple[str, ...]:
+    """Return the names of the methods that can be live."""
+    return tuple(_METHODS)
+
+
+class LiveShading:
+    """A mesh whose shading the graphics card computes anew in every frame.
+
+    It shows what ``bake(space, method, light=light, view=view, colormap=colormap, **options)``
+    would: lights by name or angle refer to the view, and move with it. A new light or option sets
+    uniforms. The vertices are passed over once, and again for another `curvature` or `scale`, and
+    for another view where curvature is the view's. Some options, such as a first highlight or
+    colour map, have the shader compiled again.
+
+    Not live, and refused: methods that `live_methods` doesn't name, more than eight lights
+    (environments that are sampled into more), materials other than Lambert's and Phong's,
+    principal_strength, transmitted light, illumination other than "lights", quadrature by
+    directions, and more than 44 scales (29 of Light Alignment). Two-dimensional colour maps and the
+    object's own colours are not part of it.
+
+    It agrees with a bake to two grey levels where options are in the ranges that sliders offer.
+    Where a method has an edge, such as lights that set under Light Warping, rounding may take a
+    vertex to its other side: at most one pixel in a thousand. More are off far beyond those ranges:
+    an exaggeration of 1000 shows how normals are rounded.
+
+    Parameters
+    ----------
+    space : ScaleSpace
+        Of a mesh.
+    method : str
+    options : mapping, optional
+        The method's own.
+    light : light, or several
+        As in `bake`.
+    view : View or str
+    colormap : str, optional
+        Name of a 1D colour map; grey unless given.
+
+    Attributes
+    ----------
+    actor : vtkActor
+        For ``plotter.add_actor``. Positions are recentred, (points − centre) / diagonal, as in
+        `viewer.picture.plot`. Its vertices are in the mesh's order, its triangles in another.
+
+    Raises
+    ------
+    MeshdepictError
+        For what can't be live, and wrong options; nothing changes then.
+    """
+
+    def __init__(
+        self,
+        space: ScaleSpace,
+        method: str,
+        *,
+        options: Mapping[str, Any] | None = None,
+        light: Any = "northwest",
+        view: View | str,
+        colormap: str | None = None,
+    ) -> None:
+        if not isinstance(method, str) or method not in _METHODS:
+            raise MeshdepictError(
+                f"{method!r} can't be shown live{nearest(str(method), _METHODS)} (these can: "
+                f"{', '.join(_METHODS)}); bake it instead"
+            )
+        shape = getattr(space, "shape", None)
+        if not len(getattr(shape, "faces", ())) or len(space.points) != len(space.shape.vertices):
+            raise MeshdepictError(
+                "live shading needs the scale space of a mesh's vertices; bake other shapes instead"
+            )
+        self._method = _METHODS[method]
+        self._space = space
+        self._options = {
+            name: option.default for name, option in options_of(self._method.function).items()
+        }
+        self._light, self._colormap = light, colormap
+        self._view = as_view(view, space.shape)
+        self._key: tuple[Any, ...] | None = None
+        self._defines: dict[str, int] | None = None
+        self._sets = 0
+        self.actor, self._poly = _actor(space)
+        self._show(options=dict(options or {}))
+
+    @property
+    def method(self) -> str:
+        """Name of the method."""
+        return self._method.name
+
+    @property
+    def options(self) -> dict[str, Any]:
+        """All options and their values."""
+        return dict(self._options)
+
+    def set_light(self, light: Any) -> None:
+        """Light it differently: uniforms only."""
+        self._show(light=light)
+
+    def set_options(self, **options: Any) -> None:
+        """Change some options; the others stay."""
+        self._show(options=options)
+
+    def set_view(self, view: View | str) -> None:
+        """Move the eye that highlights, curvature and named lights refer to."""
+        self._show(view=as_view(view, self._space.shape))
+
+    def set_colormap(self, colormap: str | None) -> None:
+        """Colour by another 1D map; None is grey."""
+        self._show(colormap=colormap)
+
+    def check(self, plotter: Any = None) -> None:
+        """Render a frame and raise if the card doesn't do what it should.
+
+        Parameters
+        ----------
+        plotter : pyvista.Plotter, optional
+            Whose scene has the actor; else a few pixels are rendered off screen.
+
+        Raises
+        ------
+        MeshdepictError
+            With the driver's words where the shader did not compile.
+        """
+        import pyvista as pv
+
+        with caught_errors(f"{self.method} shading"):
+            if plotter is not None:
+                plotter.render_window.Render()
+                return
+            window = pv.Plotter(off_screen=True, window_size=[16, 16])
+            try:
+                window.add_actor(self.actor)
+                window.show(auto_close=False)
+            finally:
+                window.close()
+
+    def _show(self, **changes: Any) -> None:
+        """Check changes to light, options, view and colour map together, then make them."""
+        method, space = self._method, self._space
+        view: View = changes.get("view", self._view)
+        light = changes.get("light", self._light)
+        colormap = changes.get("colormap", self._colormap)
+        given = check(method.function, changes.get("options", {}), method.name)
+        options = self._options | given
+        for name, values in method.only.items():
+            if options[name] not in values:
+                raise MeshdepictError(
+                    f"{method.name} can't be live with {name}={options[name]!r}, only with "
+                    f"{values[0]!r}; bake it instead"
+                )
+        lights = _lights(method, light, view, options)
+        if colormap is not None:  # which refuses unknown ones, and coloured light
+            colored = any(np.ptp(lamp.color) > 0 for lamp in lights)
+            encode(np.zeros((1, 3) if colored else 1), linear=False, colormap=colormap)
+        uniforms = {
+            **method.uniforms(space, options),
+            **_light_uniforms(lights),
+            **_eye_uniforms(view, space),
+            **encoding.table_uniforms(colormap),
+            "exposure": options["exposure"],
+        }
+        key = method.key(view, options)
+        if key != self._key:
+            self._sets = self._upload(*method.attributes(space, view, options))
+        defines = {"SETS": self._sets, **method.defines(options)}
+        defines |= {"LINEAR": 1} if declaration(method.function).linear else {}
+        defines |= {} if colormap is None else {"MAPPED": 1}
+        set_uniforms(self.actor, uniforms)
+        if defines != self._defines:
+            assemble(self.actor, self._parts(), defines)
+        self._view, self._light, self._colormap = view, light, colormap
+        self._options, self._key, self._defines = options, key, defines
+
+    def _parts(self) -> dict[str, str]:
+        scalars = "in vec2 curvature;\n" if "curvature" in self._poly.point_data else ""
+        return {
+            "attributes": scalars + octahedral.unpacking(self._sets, bits=self._method.bits),
+            "surroundings": SURROUNDINGS,
+            "method": self._method.glsl,
+            "encoding": encoding.GLSL,
+        }
+
+    def _upload(self, sets: int, attributes: Mapping[str, Any]) -> int:
+        """Hand arrays over the vertices to the card; return the number of sets of normals."""
+        if sets > (most := octahedral.most_sets(self._method.bits)):
+            raise MeshdepictError(
+                f"{self.method} can be live with at most {most - 1} scales, not {sets - 1}; bake "
+                "it instead"
+            )
+        mapper = self.actor.GetMapper()
+        for name, values in attributes.items():
+            self._poly.point_data[name] = values
+            mapper.MapDataArrayToVertexAttribute(name, name, 0, -1)
+        self._poly.point_data.active_scalars_name = None
+        self._poly.Modified()
+        return sets
+
+
+def _actor(space: ScaleSpace) -> tuple[Any, Any]:
+    """Return an actor of the recentred mesh, without lighting, and its data."""
+    import pyvista as pv
+    import vtkmodules.vtkRenderingOpenGL2  # noqa: F401 (what draws)
+    from vtkmodules.vtkRenderingCore import vtkActor, vtkPolyDataMapper
+
+    shape = space.shape
+    poly = pv.PolyData()
+    poly.points = shape.recentred(shape.vertices).astype(np.float32)
+    if shape.polygons is None:
+        faces = along_curve(poly.points, shape.faces)
+        poly.SetPolys(pv.CellArray.from_regular_cells(faces, deep=True))
+    else:  # which VTK divides as it does those of a bake
+        connectivity, offsets = shape.polygons
+        poly.SetPolys(pv.CellArray.from_arrays(offsets, connectivity, deep=True))
+    mapper = vtkPolyDataMapper()
+    mapper.SetInputData(poly)
+    mapper.ScalarVisibilityOff()
+    mapper.SetVBOShiftScaleMethod(0)  # recentred already: attributes and uniforms rely on it
+    actor = vtkActor()
+    actor.SetMapper(mapper)
+    actor.GetProperty().LightingOff()
+    return actor, poly
+
+
+def _lights(method: LiveMethod, light: Any, view: View, options: Mapping[str, Any]) -> list[Light]:
+    """Return the lights; their colours count where the method looks at them."""
+    if not method.several:
+        return [Light(as_light(light, view).direction)]
+    lights = as_lights(light, view, count=options.get("lights", 54))
+    if len(lights) > MOST_LIGHTS:
+        raise MeshdepictError(
+            f"live shading has at most {MOST_LIGHTS} lights, not {len(lights)}; bake it instead"
+        )
+    return lights
+
+
+def _light_uniforms(lights: list[Light]) -> dict[str, Any]:
+    """Return direction and colour of each, in an array of constant length."""
+    numbers = np.zeros((MOST_LIGHTS, 6))
+    for row, lamp in zip(numbers, lights, strict=False):
+        row[:3], row[3:] = lamp.direction, lamp.color
+    return {"lights": numbers.ravel().tolist(), "light_count": len(lights)}
+
+
+def _eye_uniforms(view: View, space: ScaleSpace) -> dict[str, Any]:
+    axis = tuple(map(float, view.towards_eye))
+    if view.parallel_scale is not None:
+        return {"eye": (*axis, 0.0), "view_axis": axis}
+    return {"eye": (*map(float, space.shape.recentred(view.position)), 1.0), "view_axis": axis}
