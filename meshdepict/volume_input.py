@@ -1,0 +1,123 @@
+"""What a volume is made of, checked once at the door: values, spacing, direction, rescaling."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from meshdepict.errors import MeshdepictError
+
+__all__ = [
+    "as_list",
+    "check_rescale",
+    "checked_direction",
+    "checked_values",
+    "fitting_integer",
+    "three_numbers",
+]
+
+Floats = NDArray[np.float64]
+
+_SKEW = 1e-3  # directions in files have 4 digits and more; what is skewed is so by much more
+
+
+def fitting_integer(low: float, high: float) -> Any:
+    """Return the narrowest integer type from 16 bits on that holds a range."""
+    for kind in (np.int16, np.uint16, np.int32):
+        if np.iinfo(kind).min <= low and high <= np.iinfo(kind).max:
+            return kind
+    return np.int64
+
+
+def check_rescale(slope: float, intercept: float) -> None:
+    """Refuse what is no way from raw numbers to Hounsfield units.
+
+    Raises
+    ------
+    MeshdepictError
+        For a slope that is not positive and an intercept that is not finite.
+    """
+    if not (0 < slope < math.inf and math.isfinite(intercept)):
+        raise MeshdepictError(
+            f"slope={slope!r}, intercept={intercept!r}: Hounsfield units take a positive slope "
+            "and a finite intercept"
+        )
+
+
+def checked_values(values: ArrayLike) -> NDArray[Any]:
+    """Return values as a C-ordered array (nz, ny, nx) of native numbers, copied only if it must.
+
+    Raises
+    ------
+    MeshdepictError
+        For other things than real numbers, another shape, none at all, a single slice.
+    """
+    array = np.asarray(values)
+    if array.dtype.kind not in "biuf":
+        raise MeshdepictError(f"a volume's values must be real numbers, not {array.dtype}")
+    if array.ndim != 3:
+        raise MeshdepictError(
+            f"a volume is a grid of three axes (z, y, x), not an array of shape {array.shape}"
+        )
+    if array.size == 0:
+        raise MeshdepictError(f"the volume is empty: its shape is {array.shape}")
+    if min(array.shape) < 2:
+        axis = "zyx"[int(np.argmin(array.shape))]
+        raise MeshdepictError(
+            f"the volume has a single slice along {axis}: gradients need two slices or more"
+        )
+    kind = {"b1": np.uint8, "f2": np.float32}.get(
+        array.dtype.str[1:], array.dtype.newbyteorder("=")
+    )
+    return np.require(array, kind, ["C"])
+
+
+def three_numbers(numbers: ArrayLike, what: str) -> Floats:
+    """Return three finite numbers.
+
+    Raises
+    ------
+    MeshdepictError
+        For anything else.
+    """
+    try:
+        array = np.array(numbers, np.float64)
+    except (TypeError, ValueError):
+        array = np.empty(0)
+    if array.shape != (3,) or not np.isfinite(array).all():
+        raise MeshdepictError(f"{what}={numbers!r} is not three finite numbers (x, y, z)")
+    return array
+
+
+def checked_direction(direction: ArrayLike) -> Floats:
+    """Return the nearest orthonormal matrix: files round theirs.
+
+    Raises
+    ------
+    MeshdepictError
+        For a matrix that is not nearly orthonormal, or none of 3 x 3 finite numbers.
+    """
+    try:
+        matrix = np.array(direction, np.float64)
+    except (TypeError, ValueError):
+        matrix = np.empty(0)
+    error = np.inf
+    if matrix.shape == (3, 3) and np.isfinite(matrix).all():
+        error = float(np.abs(matrix.T @ matrix - np.eye(3)).max())
+    if error > _SKEW:
+        raise MeshdepictError(
+            f"direction={np.asarray(direction).tolist()} is not a 3 x 3 matrix of orthonormal "
+            "columns: resample a skewed grid first"
+        )
+    if error < 1e-14:
+        return matrix
+    u, _, vh = np.linalg.svd(matrix)
+    return u @ vh
+
+
+def as_list(numbers: Floats) -> str:
+    """Return numbers for a message."""
+    return "(" + ", ".join(f"{number:.6g}" for number in numbers) + ")"
