@@ -65,14 +65,16 @@ def was_baked(mesh: Mesh) -> bool:
     return isinstance(mesh.document, Document) and bool(mesh.document.provenance)
 
 
-def _scales(space: ScaleSpace) -> str:
+def _scales(space: Any) -> str:
     count = len(space.widths) - 1
     if count == 0:
         return "0"
     texts = [
         f"{count}, widths {space.widths[1]:.6g} to {space.widths[-1]:.6g}",
         f"ratio {space.ratio:.6g}",
-        f"facing {space.facing:g}",
-        f"tolerance {space.tolerance:g}",
     ]
+    if space.shape.kind == "image":
+        texts.append(f"filter {space.filter}")
+    else:
+        texts += [f"facing {space.facing:g}", f"tolerance {space.tolerance:g}"]
     return ", ".join(texts)

@@ -218,7 +218,7 @@ def scale_space(
     Parameters
     ----------
     shape : Mesh, Volume or GBuffer
-        Of a volume or an image the sums are over its grid; see `grid_space` and `image_space`.
+        Of a volume see `grid_space`, of an image `image_space`, which have more to choose.
     scales : int
         Number of smoothed sets, ≥ 0; the original normals come before them.
     width : float or str, optional
@@ -227,10 +227,11 @@ def scale_space(
     ratio : float
         From one width to the next, > 1; √2 in Exaggerated Shading, 1.7 in Local Light Alignment.
     facing : {0, 1}
-        1: F(u) = (1 + u)/2, which keeps the two sides of a thin sheet apart.
+        Of meshes. 1: F(u) = (1 + u)/2, which keeps the two sides of a thin sheet apart.
         0: F = 1, the paper's formula to the letter.
     tolerance : float
-        Largest angular error of a normal in radians, 1e-7 … 0.1.
+        Largest angular error of a normal in radians, 1e-7 … 0.1. Images have their own; see
+        `bilateral`.
     progress : callable, optional
         ``progress(done, total)``, called as the work goes on.
 
@@ -244,11 +245,22 @@ def scale_space(
         For a parameter out of its range.
     """
     _check(scales, ratio, facing, tolerance)
-    if getattr(shape, "kind", None) != "mesh":
-        raise MeshdepictError(f"a {type(shape).__name__} has no scale space: give a Mesh")
+    kind = getattr(shape, "kind", None)
+    if kind == "image":
+        from meshdepict.image_scales import image_space
+
+        return image_space(shape, scales=scales, width=width, ratio=ratio, progress=progress)
+    if kind not in ("mesh", "volume"):
+        raise MeshdepictError(
+            f"a {type(shape).__name__} has no scale space: give a Mesh, a Volume or a GBuffer"
+        )
+    widths = _ladder(scales, ratio, resolve_width(width, shape))
+    if kind == "volume":
+        from meshdepict.grid_scales import grid_space
+
+        return grid_space(shape, widths, ratio, tolerance=tolerance, progress=progress)
     from meshdepict.mesh_scales import mesh_space
 
-    widths = _ladder(scales, ratio, resolve_width(width, shape))
     return mesh_space(shape, widths, ratio, facing=facing, tolerance=tolerance, progress=progress)
 
 

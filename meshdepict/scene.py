@@ -188,5 +188,13 @@ def named_directions(name: str, up: str = "y") -> tuple[Vector, Vector]:
 
 
 def as_view(view: str | View, shape: Any, *, up: str = "y") -> View:
-    """Return a view: given as such or by name, then fitted to the shape."""
-    return view if isinstance(view, View) else View.fitted(view, shape, up=up)
+    """Return a view: given as such or by name, then fitted to the shape.
+
+    An image is seen from where it was made: its own view is the front.
+    """
+    if isinstance(view, View):
+        return view
+    own = getattr(shape, "view", None)
+    if own is not None and view in ("front", own.name):
+        return own
+    return View.fitted(view, shape, up=up)

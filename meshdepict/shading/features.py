@@ -141,7 +141,7 @@ def convexity(
 
 def sight(view: View | str, space: ScaleSpace, *, fitted: bool) -> View:
     """Return the view; a named one is fitted to the shape only where pixels count."""
-    if fitted or isinstance(view, View):
+    if fitted or isinstance(view, View) or space.shape.kind == "image":
         return as_view(view, space.shape)
     towards, up = named_directions(view)
     return View(towards, (0, 0, 0), up, parallel_scale=1.0, name=view)
