@@ -15,29 +15,40 @@ from typing import TYPE_CHECKING, Any
 from meshdepict.errors import MeshdepictError, MeshdepictWarning
 
 if TYPE_CHECKING:
-    from meshdepict import curvature, samples, shading
+    from meshdepict import congruence, curvature, samples, shading
     from meshdepict.baking import Baked, bake
+    from meshdepict.comparison import compare
     from meshdepict.environment import Environment
+    from meshdepict.gbuffer import GBuffer
     from meshdepict.io import read, read_mesh
+    from meshdepict.io.volumes import read_volume
     from meshdepict.mesh import Mesh
     from meshdepict.recipe import load_recipe, save_recipe
     from meshdepict.scales import ScaleSpace, scale_space, smooth_normals
     from meshdepict.scene import Light, View
+    from meshdepict.transfer_function import TransferFunction
+    from meshdepict.volume import Volume
 
 __all__ = [
     "Baked",
     "Environment",
+    "GBuffer",
     "Light",
     "Mesh",
     "MeshdepictError",
     "MeshdepictWarning",
     "ScaleSpace",
+    "TransferFunction",
     "View",
+    "Volume",
     "bake",
+    "compare",
+    "congruence",
     "curvature",
     "load_recipe",
     "read",
     "read_mesh",
+    "read_volume",
     "samples",
     "save_recipe",
     "scale_space",
@@ -48,14 +59,19 @@ __all__ = [
 _HOME = {
     "Baked": "baking",
     "Environment": "environment",
+    "GBuffer": "gbuffer",
     "Light": "scene",
     "Mesh": "mesh",
     "ScaleSpace": "scales",
+    "TransferFunction": "transfer_function",
     "View": "scene",
+    "Volume": "volume",
     "bake": "baking",
+    "compare": "comparison",
     "load_recipe": "recipe",
     "read": "io",
     "read_mesh": "io",
+    "read_volume": "io.volumes",
     "save_recipe": "recipe",
     "scale_space": "scales",
     "smooth_normals": "scales",

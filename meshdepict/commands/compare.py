@@ -1,0 +1,121 @@
+"""``meshdepict compare``: methods × lights on one sheet, with congruence scores."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from cyclopts import Parameter
+
+from meshdepict import threads
+from meshdepict.commands import parameters
+from meshdepict.commands.parameters import DETAIL, FILES, LOOK
+from meshdepict.console import notes, progress_bar
+from meshdepict.errors import MeshdepictError
+
+__all__ = ["compare"]
+
+_KINDS = {"-o": ".png", "--csv": ".csv", "--html": ".html"}
+
+
+def compare(
+    source: Annotated[Path | None, Parameter(name="INPUT")] = None,
+    *,
+    output: Annotated[Path | None, Parameter(name=["--output", "-o"], group=FILES)] = None,
+    csv: Annotated[Path | None, Parameter(group=FILES)] = None,
+    page: Annotated[Path | None, Parameter(name="--html", group=FILES)] = None,
+    force: Annotated[bool, Parameter(group=FILES, show_default=False)] = False,
+    size: Annotated[str, Parameter(group=FILES)] = "480x480",
+    method: Annotated[list[str] | None, Parameter(name=["--method", "-m"], group=LOOK)] = None,
+    light: Annotated[
+        list[str] | None,
+        Parameter(name="--light", group=LOOK, allow_leading_hyphen=True),
+    ] = None,
+    view: parameters.View = "front",
+    up: parameters.Up = "y",
+    options: Annotated[list[str] | None, Parameter(name="--set", group=LOOK)] = None,
+    per_pixel: Annotated[bool, Parameter(group=DETAIL, show_default=False)] = False,
+    scales: parameters.Scales = 6,
+    width: parameters.Width = None,
+    ratio: parameters.Ratio = 1.7,
+    facing: parameters.Facing = 1,
+    tolerance: parameters.Tolerance = 1e-4,
+    winding: Annotated[Literal["auto", "keep"], Parameter(group=FILES)] = "auto",
+    quiet: parameters.Quiet = False,
+    cores: parameters.Cores = None,
+) -> None:
+    """Compare methods under many lights: a sheet of pictures, and how well each follows the shape.
+
+    Parameters
+    ----------
+    source
+        A mesh file; the built-in golf ball unless given.
+    output
+        Contact sheet to write, a PNG; <name>-compare.png in the current folder unless given.
+    csv
+        Also write the scores as a table.
+    page
+        Also write a page with plot, table, pictures and all settings.
+    force
+        Replace existing files that meshdepict didn't write.
+    size
+        Of each picture, in pixels; scores depend on it.
+    method
+        A method to compare; repeatable. Six unless given.
+    light
+        A light, as for bake; repeatable. The 21 lights of Local Light Alignment unless given.
+    options
+        An option of a method as METHOD.name=value. Repeatable.
+    per_pixel
+        Shade pixels, as the papers do, instead of vertices.
+    winding
+        auto: turn faces that look inwards before shading; keep: believe the file.
+    """
+    from meshdepict import comparison, comparison_report, samples
+    from meshdepict.io import read_mesh
+    from meshdepict.targets import check_target
+
+    threads.limit(cores)
+    name = source.name.partition(".")[0] if source is not None else "golf-ball"
+    output = output or Path(f"{name}-compare.png")
+    if output.is_dir():
+        output = output / f"{name}-compare.png"
+    for option, path in (("-o", output), ("--csv", csv), ("--html", page)):
+        if path is None:
+            continue
+        if path.suffix.lower() != _KINDS[option]:
+            raise MeshdepictError(f"{option} {path}: end the name with {_KINDS[option]}")
+        check_target(path, force=force)
+    methods = tuple(method or comparison.METHODS)
+    given = _options(options or [])
+    lights = None if light is None else [parameters.as_light(text) for text in light]
+    wanted = parameters.as_size(size)
+    with notes(source, quiet=quiet), progress_bar(name, quiet=quiet) as progress:
+        mesh = samples.golf_ball() if source is None else read_mesh(source, winding=winding)
+        found = comparison.compare(
+            mesh, methods, lights=lights, view=view, up=up, size=wanted, options=given,
+            per_pixel=per_pixel, scales=6 if scales is None else scales, width=width,
+            ratio=1.7 if ratio is None else ratio, facing=facing, tolerance=tolerance,
+            progress=progress,
+        )  # fmt: skip
+        comparison_report.save_sheet(found, output)
+        if csv is not None:
+            comparison_report.save_table(found, csv)
+        if page is not None:
+            comparison_report.save_page(found, page, title=name)
+    for row, mean in zip(found.methods, found.means, strict=True):
+        print(f"{row:<20} {mean:.3f}")  # noqa: T201
+    written = ", ".join(str(path) for path in (output, csv, page) if path is not None)
+    lights_text = f"{len(found.lights)} light{'s' * (len(found.lights) != 1)}"
+    print(f"{written}: mean congruence, {lights_text}, {found.seconds:.1f} s")  # noqa: T201
+
+
+def _options(given: list[str]) -> dict[str, dict[str, Any]]:
+    """Return options by method from texts such as ``exaggerated.exaggeration=30``, checked."""
+    texts: dict[str, list[str]] = {}
+    for text in given:
+        method, dot, rest = text.partition(".")
+        if not dot or "=" in method:
+            raise MeshdepictError(f"--set wants METHOD.name=value here, not {text!r}")
+        texts.setdefault(method, []).append(rest)
+    return {name: parameters.method_options(name, words) for name, words in texts.items()}
