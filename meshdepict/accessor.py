@@ -1,0 +1,265 @@
+"""``mesh.depict`` on PyVista's datasets: shading as a chainable filter.
+
+PyVista imports this module when somebody first writes ``.depict``, by the entry point
+``pyvista.accessors``.
+"""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from meshdepict.baking import Baked, as_mesh, bake, find_method
+from meshdepict.errors import MeshdepictError
+from meshdepict.options import check, options_of
+from meshdepict.scales import ScaleSpace, scale_space
+from meshdepict.shading import METHODS, declaration
+from meshdepict.sheet import SCALARS, height_sheet, scalar_array
+
+if TYPE_CHECKING:
+    from meshdepict.mesh import Mesh
+
+__all__ = ["Depict", "register"]
+
+_FIELD = "meshdepict"  # the field array that holds the provenance, as in `exchange`
+_NEUTRAL = 127  # where there is nothing to shade
+_LADDER = ("scales", "width", "ratio", "facing", "tolerance")
+_BAKE = {
+    name: parameter
+    for name, parameter in inspect.signature(bake).parameters.items()
+    if parameter.kind is parameter.KEYWORD_ONLY and name not in ("progress", "refine")
+}  # a refined bake has vertices that the dataset has not
+
+
+class Depict:
+    """Shading of a PyVista dataset: ``mesh.depict.exaggerated(light="northwest")``.
+
+    Every method returns a copy of the dataset with the colours "RGB", active, and the values
+    "depict_<method>"; its own colours become "original_RGB". So calls chain, each working on the
+    geometry. The smoothed normals are kept with the dataset until its points or faces change, by
+    VTK's clock: who writes into ``points`` by way of NumPy says ``mesh.GetPoints().Modified()``.
+
+    A ``PolyData`` is shaded as it is. An ``ImageData`` with one layer of points is a height field:
+    its active scalars are heights, in its units; where they are NaN, the colour is grey. One with
+    several layers is a volume, whose voxels get "RGBA"; see `volume_baking.bake_volume`.
+    """
+
+    def __init__(self, dataset: Any) -> None:
+        self._dataset = dataset
+        self._surface: _Surface | None = None
+        self._voxels: tuple[Any, Any] = (None, None)
+
+    def __call__(self, method: str = "exaggerated", **settings: Any) -> Any:
+        """Shade by a method of `shading.METHODS`; keywords as for `bake`.
+
+        Parameters
+        ----------
+        method : str
+        **settings
+            Of `bake`, and the method's own; for an ``ImageData`` also ``scalars``, the name of the
+            heights.
+
+        Returns
+        -------
+        pyvista.PolyData or pyvista.ImageData
+
+        Raises
+        ------
+        MeshdepictError
+            As `bake`, and for datasets without a surface of their own.
+        """
+        dataset = self._dataset
+        kind = _kind(dataset)
+        function = find_method(method)
+        scalars = None if kind == "mesh" else settings.pop("scalars", None)
+        if kind == "volume":
+            return self._shade_volume(method, scalars, settings)
+        check(function, {k: v for k, v in settings.items() if k not in _BAKE}, method)
+        # The file's own colours may change where the geometry doesn't: no memory of those.
+        fresh = settings.get("albedo") == "keep" and kind == "mesh"
+        surface = self._kept(scalars) if not fresh else _surface_of(dataset, None)
+        ladder = {name: settings.pop(name) for name in _LADDER if name in settings}
+        baked = bake(surface.space(declaration(function), ladder), method, **settings)
+        result = _dressed(dataset, surface, baked)
+        result.depict._surface = surface.of(result)
+        return result
+
+    def _shade_volume(self, method: str, scalars: str | None, settings: dict[str, Any]) -> Any:
+        """Return the image with the voxels' colours and opacities, "RGBA"."""
+        from meshdepict.volume_baking import bake_volume
+
+        image = self._dataset
+        where, name = scalar_array(image, scalars)
+        declared = declaration(find_method(method))
+        ladder = tuple(settings.get(key) for key in ("transfer", *_LADDER))
+        key = _stamp(image, scalars), declared.scales, declared.ratio, ladder
+        if key == self._voxels[0]:
+            shape = self._voxels[1]
+            settings = {k: v for k, v in settings.items() if k not in ("transfer", *_LADDER)}
+        else:
+            shape = _volume_of(image, where, name)
+        baked = bake_volume(shape, method, **settings)
+        if baked.space is not None:
+            self._voxels = key, baked.space
+        result = image.copy()
+        data = result.point_data if where == "point" else result.cell_data
+        data["RGBA"] = baked.rgba.reshape(-1, 4)
+        result.field_data[_FIELD] = [f"meshdepict {k}: {v}" for k, v in baked.provenance.items()]
+        result.field_data[SCALARS] = [name]
+        result.set_active_scalars("RGBA", preference=where)
+        return result
+
+    def __repr__(self) -> str:
+        """Return the methods."""
+        return f"<depict: {', '.join(METHODS)}>"
+
+    def _kept(self, scalars: str | None) -> _Surface:
+        """Return the surface made last, or a new one where the dataset has changed since."""
+        stamp = _stamp(self._dataset, scalars)
+        if self._surface is None or self._surface.stamp != stamp:
+            self._surface = _surface_of(self._dataset, scalars)
+        return self._surface
+
+
+class _Surface:
+    """The mesh of a dataset as it was, with its scale spaces."""
+
+    def __init__(self, mesh: Mesh, stamp: Any, where: str, name: str = "", there: Any = None):
+        self.mesh, self.stamp = mesh, stamp
+        self.where, self.name, self.there = where, name, there
+        self._spaces: dict[tuple[Any, ...], ScaleSpace] = {}
+
+    def space(self, declared: Any, ladder: Mapping[str, Any]) -> ScaleSpace:
+        """Return the scale space that `bake` would make; made once."""
+        wanted = {name: ladder.get(name, _BAKE[name].default) for name in _LADDER}
+        if wanted["scales"] is None or declared.scales == 0:
+            wanted["scales"] = declared.scales
+        wanted["ratio"] = wanted["ratio"] or declared.ratio
+        key = tuple(wanted.values())
+        if key not in self._spaces:
+            self._spaces[key] = scale_space(self.mesh, **wanted)
+        return self._spaces[key]
+
+    def of(self, dataset: Any) -> _Surface:
+        """Return the same surface, known as that of a copy of the dataset."""
+        twin = _Surface(
+            self.mesh, _stamp(dataset, self.name or None), self.where, self.name, self.there
+        )
+        twin._spaces = self._spaces
+        return twin
+
+
+def _kind(dataset: Any) -> str:
+    """Return "mesh", "heights" or "volume"; refuse other datasets."""
+    if hasattr(dataset, "GetPolys"):
+        return "mesh"
+    if hasattr(dataset, "direction_matrix"):
+        return "heights" if 1 in dataset.dimensions else "volume"
+    raise MeshdepictError(
+        f"a {type(dataset).__name__} has no surface of its own to shade: take "
+        ".extract_surface() first"
+    )
+
+
+def _stamp(dataset: Any, scalars: str | None) -> Any:
+    """Return when the geometry last changed, by VTK's own clock."""
+    if _kind(dataset) == "mesh":
+        parts = dataset.GetPoints(), dataset.GetPolys(), dataset.GetStrips()
+        return tuple(part.GetMTime() for part in parts if part is not None)
+    where, name = scalar_array(dataset, scalars)
+    data = dataset.GetPointData() if where == "point" else dataset.GetCellData()
+    place = dataset.dimensions, dataset.spacing, dataset.origin
+    return where, name, data.GetArray(name).GetMTime(), place, dataset.direction_matrix.tobytes()
+
+
+def _surface_of(dataset: Any, scalars: str | None) -> _Surface:
+    stamp = _stamp(dataset, scalars)
+    if _kind(dataset) == "mesh":
+        return _Surface(as_mesh(dataset), stamp, "point")
+    where, name = scalar_array(dataset, scalars)
+    mesh, there = height_sheet(dataset, where, name)
+    return _Surface(mesh, stamp, where, name, there)
+
+
+def _dressed(dataset: Any, surface: _Surface, baked: Baked) -> Any:
+    """Return a copy of a dataset with a bake's colours and values."""
+    colors, values = baked.colors, baked.intensity
+    if surface.there is not None:
+        count = len(surface.there)
+        colors = np.full((count, 3), _NEUTRAL, np.uint8)
+        colors[surface.there] = baked.colors
+        values = np.full((count, *baked.intensity.shape[1:]), 0.5, baked.intensity.dtype)
+        values[surface.there] = baked.intensity
+    result = dataset.copy()
+    data = result.point_data if surface.where == "point" else result.cell_data
+    if "RGB" in data and _FIELD not in result.field_data:
+        data["original_RGB"] = np.array(data["RGB"])
+    data["RGB"] = colors
+    data[f"depict_{baked.provenance['method']}"] = values
+    result.field_data[_FIELD] = baked.comments
+    if surface.name:
+        result.field_data[SCALARS] = [surface.name]
+    result.set_active_scalars("RGB", preference=surface.where)
+    return result
+
+
+def _volume_of(image: Any, where: str, name: str) -> Any:
+    """Return the volume of one array of an image."""
+    from meshdepict.volume import Volume
+
+    alone = image.copy(deep=False)
+    for data in (alone.point_data, alone.cell_data):
+        for other in [key for key in data if key != name]:
+            del data[other]
+    data = alone.point_data if where == "point" else alone.cell_data
+    data.active_scalars_name = name
+    return Volume.from_pyvista(alone)
+
+
+def _as_accessor_method(name: str, function: Callable[..., Any]) -> Callable[..., Any]:
+    """Return ``depict.<name>(…)`` with a signature and a text for help and tab completion."""
+
+    def shade(self: Depict, **settings: Any) -> Any:
+        return self(name, **settings)
+
+    options = options_of(function)
+    keyword = inspect.Parameter.KEYWORD_ONLY
+    own = [
+        inspect.Parameter(option.name, keyword, default=option.default, annotation=option.kind)
+        for option in options.values()
+    ]
+    itself = inspect.Parameter("self", inspect.Parameter.POSITIONAL_ONLY)
+    shade.__name__, shade.__qualname__ = name, f"Depict.{name}"
+    shade.__signature__ = inspect.Signature([itself, *_BAKE.values(), *own])  # type: ignore[attr-defined]
+    lines = [
+        f"{(inspect.getdoc(function) or name).splitlines()[0]}",
+        "",
+        f'Returns a copy with the colours "RGB" and the values "depict_{name}".',
+        "",
+        "Parameters",
+        "----------",
+        f"{', '.join(_BAKE)}",
+        "    As for `meshdepict.bake`.",
+    ]
+    for option in options.values():
+        lines += [f"{option.name} : {option.accepts}", f"    {option.help}".rstrip()]
+    shade.__doc__ = "\n".join(line for line in lines)
+    return shade
+
+
+for _name, _function in METHODS.items():
+    setattr(Depict, _name, _as_accessor_method(_name, _function))
+
+
+def register() -> None:
+    """Make ``.depict`` known to PyVista; more than once does no harm."""
+    import pyvista as pv
+
+    # On all datasets, so that those without a surface say what to do.
+    pv.register_dataset_accessor("depict", pv.DataSet)(Depict)
+
+
+register()
