@@ -9,7 +9,7 @@ import os
 import time
 import warnings
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from os.path import exists, isdir, realpath  # unlike Path's, these never raise
 from pathlib import Path
@@ -19,9 +19,13 @@ from meshdepict import samples
 from meshdepict.baking import Baked, bake
 from meshdepict.console import about, complain, notes, progress_bar
 from meshdepict.errors import MeshdepictError
-from meshdepict.io import read_mesh, read_provenance
+from meshdepict.io import read_mesh
 from meshdepict.io.source import FORMATS, suffix_of
-from meshdepict.viewer.picture import check_picture, read_picture_provenance
+from meshdepict.scene import as_view
+from meshdepict.targets import check_target
+from meshdepict.viewer.figure import Figure
+from meshdepict.viewer.framing import check_scale, frame
+from meshdepict.viewer.picture import check_picture, save_picture
 
 if TYPE_CHECKING:
     from meshdepict.mesh import Mesh
@@ -29,6 +33,7 @@ if TYPE_CHECKING:
 __all__ = ["Batch", "check_settings"]
 
 _GOLF_BALL = "golf-ball"
+_VISIBLE = 2  # grey levels
 _MEMORY = "out of memory: a simplified mesh needs less"
 
 
@@ -54,8 +59,8 @@ class Batch:
     output, picture : str, optional
         A file or an existing folder; with several inputs, a folder. Without ``output`` the
         current folder, without ``picture`` no picture.
-    size : (int, int)
-        Of the picture, in pixels.
+    figure : Figure
+        How the pictures are laid out.
     winding : {"auto", "keep"}
     fix_winding : bool
         Whether turned faces are written.
@@ -68,7 +73,7 @@ class Batch:
     settings: Mapping[str, Any]
     output: str | None = None
     picture: str | None = None
-    size: tuple[int, int] = (1000, 1000)
+    figure: Figure = field(default_factory=Figure)
     winding: str = "auto"
     fix_winding: bool = False
     force: bool = False
@@ -81,6 +86,8 @@ class Batch:
     def run(self) -> int:
         """Bake everything that can be baked; return how many failed, each with one line."""
         check_settings(self.settings)
+        if self.picture is not None:
+            check_scale(self.settings.get("view"), self.figure)
         if len(self.inputs) > 1:
             for option, folder in (("-o", self.output), ("--picture", self.picture)):
                 if folder is not None and not (isdir(folder) or _names_folder(folder)):
@@ -127,33 +134,20 @@ class Batch:
         picture = None
         if self.picture is not None:
             picture = _target(self.picture, f"{name}.png", "--picture")
-            check_picture(picture, self.size)
+            check_picture(picture)
         for path in filter(None, (output, picture)):
-            self._check_target(path)
+            check_target(path, force=self.force, inputs=self._real_inputs)
         return Job(source, output, picture)
-
-    def _check_target(self, path: Path) -> None:
-        """Refuse to replace what others wrote, and to write where that is impossible."""
-        if not isdir(path.parent):
-            raise MeshdepictError(f"{path} can't be written: there is no folder {path.parent}")
-        if not os.access(path.parent, os.W_OK):
-            raise MeshdepictError(f"{path} can't be written: {path.parent} may not be written to")
-        if self.force or not exists(path):
-            return
-        if realpath(path) in self._real_inputs:
-            raise MeshdepictError(
-                f"{path} is an input: choose another name, or replace it with --force"
-            )
-        if not _is_ours(path):
-            raise MeshdepictError(
-                f"{path} exists and was not written by meshdepict: choose another name, or replace "
-                "it with --force"
-            )
 
     def _read(self, source: Path | None) -> Mesh:
         if source is None:
             return samples.golf_ball()
         return read_mesh(source, winding=self.winding)
+
+    def _check_fit(self, mesh: Mesh) -> None:
+        """Refuse what is too large for its picture, before the long work."""
+        view = self.settings.get("view", "front")
+        frame(as_view(view, mesh, up=self.settings.get("up", "y")), mesh, self.figure)
 
     def _bake(self, job: Job) -> str:
         """Bake one mesh, write the files and return the line about it."""
@@ -163,10 +157,19 @@ class Batch:
             mesh = self._read(job.source)
             if self.fix_winding:
                 mesh = mesh.rewound()
+            if job.picture:
+                self._check_fit(mesh)
             baked = bake(mesh, progress=progress, **self.settings)
             baked.save(job.output)
             if job.picture:
-                baked.picture(job.picture, size=self.size)
+                save_picture(baked, job.picture, self.figure)
+        error = baked.edge_error
+        if error is not None and error.rms > _VISIBLE and not self.quiet:
+            text = (
+                f"colours between vertices are off by {error.rms:.0f} of 255 grey levels (rms), at "
+                f"{error.share:.0%} of the edges by more than 2: --refine 2 splits triangles there"
+            )
+            complain(f"note: {about(job.source, text)}")
         return _caption(job, baked, time.perf_counter() - start)
 
 
@@ -220,16 +223,6 @@ def _check_format(path: Path) -> None:
             f"{path}: colours are saved as {', '.join(writable)} (also with .gz), not as "
             f"{suffix_of(path) or 'a file without suffix'}"
         )
-
-
-def _is_ours(path: Path) -> bool:
-    """Whether this program wrote an existing file: its provenance says so."""
-    if path.suffix.lower() == ".png":
-        return read_picture_provenance(path) is not None
-    try:
-        return read_provenance(path) is not None
-    except MeshdepictError:  # an empty file, for instance
-        return False
 
 
 def _caption(job: Job, baked: Baked, seconds: float) -> str:

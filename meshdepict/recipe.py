@@ -21,7 +21,7 @@ __all__ = ["LOOK", "load_recipe", "merge_recipe", "save_recipe"]
 
 LOOK = (
     "method", "light", "view", "up", "scales", "width", "ratio", "facing", "tolerance",
-    "colormap", "colormap2d", "albedo",
+    "colormap", "colormap2d", "albedo", "refine",
 )  # fmt: skip
 """What a recipe holds beside the method's options: keywords of `bake`."""
 

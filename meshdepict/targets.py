@@ -62,6 +62,10 @@ def _is_ours(path: Path) -> bool:
         from meshdepict.viewer.picture import read_picture_provenance
 
         return read_picture_provenance(path) is not None
+    if kind in (".mp4", ".gif"):
+        from meshdepict.viewer.encoding import read_movie_provenance
+
+        return read_movie_provenance(path) is not None
     if kind in _MARKS:
         try:
             with path.open("rb") as stream:

@@ -4,6 +4,7 @@ import os
 
 import numpy as np
 import pytest
+from PIL import Image
 
 import meshdepict as md
 from meshdepict import batch, samples, threads
@@ -58,6 +59,7 @@ def test_the_closing_line_without_scales_has_no_widths(run, ball_ply):
         (("--facing", "0", "--width", "0.3"), {"facing": 0, "width": 0.3}),
         (("--tolerance", "1e-2"), {"tolerance": 1e-2}),
         (("--colormap", "sepia"), {"colormap": "sepia"}),
+        (("--refine", "4"), {"refine": 4.0}),
         (
             ("--set", "exaggeration=40", "--set", "emphasis=-1"),
             {"exaggeration": 40.0, "emphasis": -1.0},
@@ -65,7 +67,7 @@ def test_the_closing_line_without_scales_has_no_widths(run, ball_ply):
     ],
 )
 def test_every_option_of_bake_reaches_the_library(run, ball_ply, words, arguments):
-    status, _, err = run("bake", "ball.ply", "-o", "out.ply", *words)
+    status, _, err = run("bake", "ball.ply", "-o", "out.ply", "--quiet", *words)
     assert (status, err) == (0, [])
     expected = md.bake(ball_ply, **arguments)
     assert np.array_equal(colors("out.ply"), expected.colors)
@@ -283,10 +285,10 @@ def test_running_out_of_memory_is_one_file_s_fault(run, ball_ply, folder, monkey
 
 
 def test_a_folder_named_with_a_slash_is_made(run, ball_ply, folder):
-    code, lines, errors = run("bake", "ball.ply", "-m", "lambert", "-o", "new/deep/")
+    code, lines, errors = run("bake", "ball.ply", "-m", "gooch", "-o", "new/deep/")
     assert (code, errors) == (0, [])
-    assert lines[0].startswith("new/deep/ball-lambert.ply: ")
-    assert (folder / "new/deep/ball-lambert.ply").exists()
+    assert lines[0].startswith("new/deep/ball-gooch.ply: ")
+    assert (folder / "new/deep/ball-gooch.ply").exists()
 
 
 def test_several_lights_are_parted_by_semicolons(run, ball_ply):
@@ -321,3 +323,78 @@ def test_a_fault_of_the_program_s_own_is_one_line_and_the_rest_goes_on(run, ball
         "meshdepict: ball.ply: an unexpected fault, please report it "
         "(RuntimeError: that should not happen)"
     ]
+
+
+# --- pictures -------------------------------------------------------------------------------------
+
+
+def picture(path):
+    with Image.open(path) as image:
+        return np.asarray(image.convert("RGBA")), image.info
+
+
+def test_every_option_of_a_figure_reaches_the_picture(run, ball_ply):
+    words = ("--size", "2x1cm", "--dpi", "127", "--background", "transparent", "--scale-bar")
+    assert run("bake", "ball.ply", "--picture", "a.png", *words, "--unit", "µm")[0] == 0
+    md.bake(ball_ply).picture(
+        "b.png", size="2x1cm", dpi=127, background="transparent", scale_bar=True, unit="µm"
+    )
+    (found, info), (expected, _) = picture("a.png"), picture("b.png")
+    np.testing.assert_array_equal(found, expected)
+    assert found.shape == (50, 100, 4)
+    assert info["dpi"] == pytest.approx((127, 127), abs=0.02)
+
+
+def test_hundreds_of_finds_are_seen_alike(run, folder):
+    """One view, one light, one scale, wherever the finds lie and however large they are."""
+    (folder / "look.toml").write_text(
+        'method = "half_lambert"\nlight = [1, 2, 3]\n'
+        "view = { position = [5, 5, 5], focus = [0, 0, 0], up = [0, 1, 0], parallel_scale = 3 }\n"
+    )
+    ball = samples.sphere(642)
+    for radius, away in ((1, 0), (2, 70)):
+        mesh = md.Mesh(ball.vertices * radius + (away, 0, 0), ball.faces)
+        write_mesh(f"find{radius}.ply", mesh)
+    words = ("--recipe", "look.toml", "--picture", "plates/", "--pixels-per-unit", "20")
+    status, lines, _ = run("bake", "find1.ply", "find2.ply", *words, "-o", "out/")
+    assert (status, len(lines)) == (0, 2)
+    small, _ = picture("plates/find1-half_lambert.png")
+    large, _ = picture("plates/find2-half_lambert.png")
+    widths = [np.ptp(np.flatnonzero((p[..., 0] < 250).any(axis=0))) + 1 for p in (small, large)]
+    assert widths == pytest.approx([40, 80], abs=2)
+    middles = [p[len(p) // 2, p.shape[1] // 2, 0] for p in (small, large)]
+    assert abs(int(middles[0]) - int(middles[1])) <= 2
+
+
+def test_a_find_too_large_for_the_plate_is_refused_before_its_bake(run, ball_ply, monkeypatch):
+    monkeypatch.setattr(batch, "check_settings", lambda settings: None)
+    monkeypatch.setattr(batch, "bake", lambda *_, **__: pytest.fail("baked in vain"))
+    words = ("--picture", "p.png", "--pixels-per-unit", "100", "--size", "60x60")
+    status, out, (line,) = run("bake", "ball.ply", *words)
+    assert (status, out) == (2, [])
+    assert line.startswith("meshdepict: ball.ply: at 100 pixels per unit the object takes ")
+
+
+def test_figures_are_refused_before_anything_is_read(run, ball_ply, folder, monkeypatch):
+    monkeypatch.setattr(batch, "read_mesh", lambda *_, **__: pytest.fail("read too early"))
+    (folder / "look.toml").write_text(
+        "view = { position = [0, 0, 9], focus = [0, 0, 0], up = [0, 1, 0] }\n"
+    )
+    for words, sentence in (
+        (("--size", "big"), "size 'big' is not WIDTHxHEIGHT"),
+        (("--background", "blue"), "background='blue' is none of"),
+        (("--recipe", "look.toml", "--scale-bar"), "a scale bar needs a parallel view"),
+        (("--recipe", "look.toml", "--pixels-per-unit", "3"), "a fixed scale needs a parallel"),
+    ):
+        status, _, (line,) = run("bake", "ball.ply", "--picture", "p.png", *words)
+        assert status == 2
+        assert sentence in line
+
+
+def test_colours_that_are_off_between_vertices_are_said_so_until_refined(run, ball_ply):
+    status, _, (note,) = run("bake", "ball.ply", "-m", "lambert")
+    error = md.bake(ball_ply, "lambert").edge_error
+    assert status == 0
+    assert f"off by {error.rms:.0f} of 255 grey levels (rms), at {error.share:.0%}" in note
+    status, _, err = run("bake", "ball.ply", "-m", "lambert", "--refine", "2")
+    assert (status, err) == (0, [])

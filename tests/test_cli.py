@@ -16,7 +16,7 @@ from meshdepict import batch, report
 def test_help_names_every_command(run, words):
     status, out, err = run(*words)
     assert (status, err) == (0, [])
-    for command in ("bake", "methods", "info"):
+    for command in ("bake", "methods", "info", "view", "movie", "compare", "volume"):
         assert any(command in line.split() for line in out)
 
 
@@ -105,7 +105,7 @@ def test_light_commands_load_no_heavy_modules(ball_ply, words, heavy):
         ("bake ball.ply -o new/out.ply", "there is no folder new"),
         ("bake ball.ply --picture out.jpg", "end the name with .png"),
         ("bake ball.ply --picture new/out.png", "there is no folder new"),
-        ("bake ball.ply --picture out.png --size 300", "--size 300 is not WIDTHxHEIGHT"),
+        ("bake ball.ply --picture out.png --size 300", "size '300' is not WIDTHxHEIGHT"),
         ("bake ball.ply --picture out.png --size 0x10", "a picture of 0x10 pixels"),
         ("bake ball.ply ball.ply -o out.ply", "-o out.ply is no existing folder"),
         ("bake ball.ply ball.ply --picture p.png", "--picture p.png is no existing folder"),

@@ -76,6 +76,105 @@ def test_the_provenance_is_written_inside(bar, tmp_path):
     assert read_picture_provenance(path) == bar.comments
 
 
+def test_edges_are_clean_on_every_ground(bar, tmp_path):
+    """No fringe: laid on a ground, the transparent picture is the one drawn on that ground."""
+    clear = bar.picture(tmp_path / "clear.png", size=(90, 40), background="transparent")
+    with Image.open(clear) as image:
+        assert image.mode == "RGBA"
+        alpha = np.asarray(image)[..., 3]
+        assert (alpha[0] == 0).all()
+        assert set(np.unique(alpha)) <= {round(255 * hits / 9) for hits in range(10)}
+        assert len(np.unique(alpha)) > 5
+        for ground in ("white", "paper", "#00ff40"):
+            path = bar.picture(tmp_path / "ground.png", size=(90, 40), background=ground)
+            expected = pixels(path)
+            laid = Image.new("RGBA", image.size, tuple(expected[0, 0]))
+            laid.alpha_composite(image)
+            got = np.asarray(laid.convert("RGB")).astype(int)
+            assert np.abs(got - expected).max() <= 2  # three roundings to a byte
+    inside = np.asarray(Image.open(clear))[alpha == 255][:, :3]
+    assert inside.max() <= bar.colors.max()
+
+
+def test_a_size_on_paper_says_its_dots_per_inch(bar, tmp_path):
+    path = bar.picture(tmp_path / "bar.png", size="30x10mm", dpi=254)
+    with Image.open(path) as image:
+        assert image.size == (300, 100)
+        assert image.info["dpi"] == pytest.approx((254, 254), abs=0.02)  # whole dots per metre
+    with Image.open(bar.picture(tmp_path / "bar.png", size="30x10")) as image:
+        assert "dpi" not in image.info
+
+
+def test_the_same_scale_for_every_object(tmp_path):
+    """20 pixels per unit: a ball of radius 1 is 40 across, wherever it is, and one of 2 is 80."""
+    for radius, away in ((1, 0), (2, 1000)):
+        ball = samples.sphere(2000)
+        mesh = md.Mesh(ball.vertices * radius + away, ball.faces)
+        for view in ("front", md.View((3, 4, 9), (0, 0, 0), (0, 1, 0), parallel_scale=7.0)):
+            baked = md.bake(mesh, "half_lambert", light="north", exposure=0.5, view=view)
+            path = baked.picture(tmp_path / "ball.png", pixels_per_unit=20)
+            assert drawn(path) == pytest.approx((40 * radius, 40 * radius), abs=2)
+            height, width, _ = pixels(path).shape
+            assert (width, height) == pytest.approx((42 * radius + 2,) * 2, abs=1)
+            path = baked.picture(tmp_path / "ball.png", pixels_per_unit=20, size=(200, 120))
+            assert drawn(path) == pytest.approx((40 * radius, 40 * radius), abs=2)
+            assert pixels(path).shape == (120, 200, 3)
+
+
+def test_what_is_too_large_for_its_scale_is_refused(bar, tmp_path):
+    with pytest.raises(MeshdepictError, match=r"takes 600x200 pixels, more than the 500x500"):
+        bar.picture(tmp_path / "bar.png", pixels_per_unit=100, size=(500, 500))
+    with pytest.raises(MeshdepictError, match=r"at 10000 pixels per unit: 1 to 16384"):
+        bar.picture(tmp_path / "bar.png", pixels_per_unit=10_000)
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("asked", [{"scale_bar": True}, {"pixels_per_unit": 3}])
+def test_perspective_has_no_scale(tmp_path, asked):
+    ball = samples.sphere(200)
+    view = md.View((0, 0, 4), (0, 0, 0), (0, 1, 0), field_of_view=40.0)
+    baked = md.bake(ball, "half_lambert", view=view)
+    with pytest.raises(MeshdepictError, match="needs a parallel view"):
+        baked.picture(tmp_path / "ball.png", **asked)
+
+
+def test_the_scale_bar_is_as_long_as_it_says_and_below_the_object(bar, tmp_path):
+    path = bar.picture(
+        tmp_path / "bar.png", size=(400, 300), scale_bar=True, pixels_per_unit=50, unit="mm"
+    )
+    dark = pixels(path).max(axis=2) < 100
+    strip = dark[300 - 33 :]  # three letters of eleven pixels
+    row = strip[strip.sum(axis=1).argmax()]
+    first = np.flatnonzero(row)[0]
+    (ends,) = np.nonzero(~row[first:])
+    assert ends[0] == 100  # 2 mm at 50 pixels each; the label comes after a gap
+    assert not dark[300 - 34].any()
+    assert dark[: 300 - 34].any()
+
+
+def test_a_scale_bar_fits_any_view_and_leaves_a_view_of_one_s_own_as_it_is(bar, tmp_path):
+    view = md.View((0, 0, 9), (0, 0, 0), (0, 1, 0), parallel_scale=2.0)
+    baked = md.bake(bar.shape, "half_lambert", light="north", exposure=0.5, view=view)
+    plain = pixels(baked.picture(tmp_path / "a.png", size=(400, 300)))
+    barred = pixels(baked.picture(tmp_path / "b.png", size=(400, 300), scale_bar=True))
+    np.testing.assert_array_equal(plain[:260], barred[:260])
+    assert (plain[260:] != barred[260:]).any()
+
+
+def test_a_poster_is_drawn_with_fewer_samples_rather_than_not_at_all():
+    from meshdepict.viewer.canvas import _samples
+
+    assert [_samples(size) for size in ((1000, 1000), (3500, 2500), (16384, 16384))] == [3, 2, 1]
+    assert _samples((9000, 10)) == 1  # its window would be too wide
+
+
+def test_far_from_the_origin_a_picture_is_the_same(bar, tmp_path):
+    shape = md.Mesh(bar.shape.vertices + 5e5, bar.shape.faces)
+    far = md.bake(shape, "half_lambert", light="north", exposure=0.5)
+    near = pixels(bar.picture(tmp_path / "near.png", size=(120, 60))).astype(int)
+    assert np.abs(pixels(far.picture(tmp_path / "far.png", size=(120, 60))) - near).max() <= 2
+
+
 def test_other_pictures_have_none(tmp_path):
     Image.new("RGB", (4, 4)).save(tmp_path / "other.png")
     (tmp_path / "words.png").write_text("no picture")
@@ -96,9 +195,12 @@ def test_other_pictures_have_none(tmp_path):
 def test_what_can_t_be_a_picture_is_refused(bar, tmp_path, name, size, sentence):
     with pytest.raises(MeshdepictError, match=sentence):
         bar.picture(tmp_path / name, size=size)
-    with pytest.raises(MeshdepictError, match=sentence):
-        check_picture(tmp_path / name, size)
     assert not list(tmp_path.iterdir())
+
+
+def test_the_name_of_a_picture_is_checked_before_any_work():
+    with pytest.raises(MeshdepictError, match=r"end the name with \.png"):
+        check_picture("bar.tif")
 
 
 def test_the_command_line_renders_without_a_display_or_a_word(tmp_path):

@@ -13,14 +13,20 @@ README = (ROOT / "README.md").read_text(encoding="utf-8")
 
 # A module's top-level imports come only from rooms to its left.
 ORDER = [
-    "errors options threads fingerprint",
-    "triangles polygons mesh_input welding edges icosahedron sidedness orientation",
-    "mesh",
+    "errors options threads fingerprint picture_input upright",
+    "triangles polygons mesh_input volume_input welding edges icosahedron sidedness orientation",
+    "mesh volume implicit",
+    "phantom",
+    "pixels pixel_samples visibility image_files",
+    "gbuffer",
     "samples defects io exchange",
+    "transfer_function",
+    "transfer",
     "direct_sums spectral_sums gaussian",
-    "smoothing",
+    "smoothing bilateral diffusion grid_sums gaussian_bands gaussian_gradient grid_normals",
     "curvature",
-    "scales mesh_scales interpolated_scales",
+    "scales",
+    "mesh_scales image_scales grid_scales interpolated_scales",
     "lights",
     "scene equirectangular environment material",
     "occlusion",
@@ -28,8 +34,14 @@ ORDER = [
     "color color2d provenance",
     "refinement",
     "baking",
+    "volume_recipe volume_baking out_of_core",
+    "isosurface sheet accessor",
     "recipe",
     "viewer console",
+    "structure_tensor contours",
+    "congruence",
+    "targets",
+    "comparison comparison_report",
     "report batch",
     "commands",
     "cli",
@@ -118,7 +130,7 @@ def test_no_file_has_the_name_of_a_public_function():
     import meshdepict
 
     stems = {path.stem for path in (ROOT / "meshdepict").glob("*.py")}
-    assert not stems & (set(meshdepict.__all__) - {"curvature", "samples", "shading"})
+    assert not stems & (set(meshdepict.__all__) - {"congruence", "curvature", "samples", "shading"})
 
 
 def test_the_version_is_said_once():

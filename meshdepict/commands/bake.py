@@ -20,7 +20,6 @@ def bake(
     *inputs: Annotated[Path, Parameter(name="INPUT")],
     output: Annotated[str | None, Parameter(name=["--output", "-o"], group=FILES)] = None,
     picture: Annotated[str | None, Parameter(group=FILES)] = None,
-    size: Annotated[str, Parameter(group=FILES)] = "1000x1000",
     albedo: Annotated[Literal["keep", "none"], Parameter(group=FILES)] = "none",
     winding: Annotated[Literal["auto", "keep"], Parameter(group=FILES)] = "auto",
     fix_winding: Annotated[bool, Parameter(group=FILES, show_default=False)] = False,
@@ -39,6 +38,13 @@ def bake(
     ratio: parameters.Ratio = None,
     facing: parameters.Facing = 1,
     tolerance: parameters.Tolerance = 1e-4,
+    refine: parameters.Refine = None,
+    size: parameters.Size = None,
+    dpi: parameters.Dpi = None,
+    background: parameters.Background = "white",
+    scale_bar: parameters.ScaleBar = False,
+    unit: parameters.Unit = "",
+    pixels_per_unit: parameters.PixelsPerUnit = None,
     quiet: parameters.Quiet = False,
     cores: parameters.Cores = None,
     given: Annotated[frozenset[str], Parameter(parse=False)] = frozenset(),
@@ -53,8 +59,6 @@ def bake(
         File to write, or a folder; <name>-<method>.ply in the current folder unless given.
     picture
         Also render a PNG: a file, or a folder.
-    size
-        Size of the picture in pixels.
     albedo
         keep: multiply the file's own colours.
     winding
@@ -73,14 +77,20 @@ def bake(
     from meshdepict.batch import Batch, check_settings
     from meshdepict.recipe import load_recipe, merge_recipe
     from meshdepict.recipe import save_recipe as write_recipe
+    from meshdepict.viewer.figure import Figure
 
     threads.limit(cores)
     if fix_winding and winding == "keep":
         raise MeshdepictError("--fix-winding writes what --winding keep forbids: give one of them")
+    figure = Figure(
+        size=size, dpi=dpi, background=background, scale_bar=scale_bar, unit=unit,
+        pixels_per_unit=pixels_per_unit,
+    )  # fmt: skip
     settings: dict[str, Any] = {
         "method": method, "light": parameters.as_light(light), "view": view, "up": up,
         "scales": scales, "width": width, "ratio": ratio, "facing": facing, "tolerance": tolerance,
         "colormap": colormap, "colormap2d": colormap2d, "albedo": albedo,
+        "refine": refine,
     }  # fmt: skip
     if recipe is not None:
         said = {name: value for name, value in settings.items() if name in given}
@@ -91,7 +101,6 @@ def bake(
         write_recipe(save_recipe, settings, force=force)
     batch = Batch(
         inputs=inputs, settings=settings, output=output, picture=picture,
-        size=parameters.as_size(size), winding=winding, fix_winding=fix_winding, force=force,
-        quiet=quiet,
+        figure=figure, winding=winding, fix_winding=fix_winding, force=force, quiet=quiet,
     )  # fmt: skip
     return FAULT if batch.run() else 0

@@ -11,7 +11,7 @@ from meshdepict.errors import MeshdepictError
 
 __all__ = [
     "DETAIL", "EVERYWHERE", "FIGURE", "FILES", "LOOK", "MOTION", "Background", "Colormap", "Cores",
-    "Dpi", "Facing", "LightText", "Method", "Options", "PixelsPerUnit", "Quiet", "Ratio",
+    "Dpi", "Facing", "LightText", "Method", "Options", "PixelsPerUnit", "Quiet", "Ratio", "Refine",
     "ScaleBar", "Scales", "Size", "Tolerance", "Unit", "Up", "View", "Width", "as_light", "as_size",
     "method_options",
 ]  # fmt: skip
@@ -125,6 +125,15 @@ Tolerance = Annotated[
     float,
     Parameter(converter=_number, group=DETAIL, help="Largest error of a normal, in radians."),
 ]
+Refine = Annotated[
+    float | None,
+    Parameter(
+        converter=_number,
+        group=DETAIL,
+        help="Split triangles inside which colours would be off by more than so many of 255 grey "
+        "levels, 2 for instance.",
+    ),
+]
 
 Size = Annotated[
     str | None,
@@ -184,6 +193,17 @@ def as_size(text: str) -> tuple[int, int]:
     if not (width.isdecimal() and height.isdecimal()):
         raise MeshdepictError(f"--size {text} is not WIDTHxHEIGHT in pixels, such as 1200x900")
     return int(width), int(height)
+
+
+def as_numbers(text: str, option: str, count: int) -> tuple[float, ...]:
+    """Return so many numbers from a text such as 0.5,0.5,1."""
+    try:
+        numbers = tuple(float(part) for part in text.split(","))
+    except ValueError:
+        numbers = ()
+    if len(numbers) != count:
+        raise MeshdepictError(f"{option} {text} is not {count} numbers separated by commas")
+    return numbers
 
 
 def method_options(method: str, given: Sequence[str]) -> dict[str, Any]:

@@ -1,0 +1,138 @@
+"""A figure on a page: its size in pixels or on paper, its ground, and what it says of its scale."""
+
+from __future__ import annotations
+
+import math
+import re
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from meshdepict.errors import MeshdepictError
+
+__all__ = ["Figure", "check_pixels"]
+
+_PER_INCH = {"cm": 2.54, "mm": 25.4, "in": 1.0}
+_SIZE = re.compile(r"(\d+(?:\.\d+)?)x(\d+(?:\.\d+)?)(px|cm|mm|in)?")
+_PRINT = 300.0  # dots per inch that printers ask for, where a size on paper comes without
+_MOST = 16384  # pixels across: what graphics cards can draw into
+_GROUNDS = {"transparent": None, "white": (255, 255, 255), "paper": (226, 221, 209)}
+_POINTS = 8.0  # height of letters on paper, in 1/72 inch
+_LETTERS = 0.024  # … and where there is no paper, as a share of the picture's shorter side
+
+
+@dataclass(frozen=True, kw_only=True)
+class Figure:
+    """How a picture is laid out.
+
+    Parameters
+    ----------
+    size : (int, int) or str, optional
+        Width and height in pixels; or "1200x900", "12x9cm", "120x90mm", "5x4in". 1000 x 1000 unless
+        given; with `pixels_per_unit`, whatever the object needs.
+    dpi : float, optional
+        Dots per inch on paper, 300 where a size in cm, mm or in needs them.
+    background : str
+        "white", "paper" (pale, so that burnt-out whites show), "transparent" or "#rrggbb".
+    scale_bar : bool
+    unit : str
+        What the file's units are, for the scale bar's label.
+    pixels_per_unit : float, optional
+        The same scale for every object, which is put in the middle. Unless given, a named view
+        shows the whole object, and any other view is taken as it is.
+
+    Raises
+    ------
+    MeshdepictError
+        For anything else.
+    """
+
+    size: Any = None
+    dpi: float | None = None
+    background: str = "white"
+    scale_bar: bool = False
+    unit: str = ""
+    pixels_per_unit: float | None = None
+
+    def __post_init__(self) -> None:
+        """Check everything once, before anything is read or drawn."""
+        for name, what in (("dpi", "dots per inch"), ("pixels_per_unit", "pixels")):
+            value = getattr(self, name)
+            if value is not None and not (_is_number(value) and 0 < value < 1e9):
+                raise MeshdepictError(f"{name}={value!r} is not a positive number of {what}")
+        object.__setattr__(self, "_ground", _ground(self.background))
+        size, dpi = _pixels(self.size, self.dpi)
+        if size is not None:
+            check_pixels(size)
+        object.__setattr__(self, "_pixels", size)
+        object.__setattr__(self, "dpi", dpi)
+
+    @property
+    def pixels(self) -> tuple[int, int] | None:
+        """Width and height in pixels, None where they aren't given."""
+        size: tuple[int, int] | None = self._pixels  # type: ignore[attr-defined]
+        return size
+
+    @property
+    def ground(self) -> tuple[int, int, int] | None:
+        """Colour (sRGB) of the background, None where it is transparent."""
+        ground: tuple[int, int, int] | None = self._ground  # type: ignore[attr-defined]
+        return ground
+
+    def letters(self, size: tuple[int, int]) -> int:
+        """Height of letters in pixels in a picture of a size."""
+        height = self.dpi * _POINTS / 72 if self.dpi else _LETTERS * min(size)
+        return max(11, round(height))
+
+
+def _pixels(size: Any, dpi: float | None) -> tuple[tuple[int, int] | None, float | None]:
+    """Return a size in pixels and the dots per inch that go with it."""
+    if size is None:
+        return None, dpi
+    if isinstance(size, str):
+        match = _SIZE.fullmatch(size.strip().lower().replace(" ", "").replace("×", "x"))
+        if match is None:
+            raise MeshdepictError(
+                f"size {size!r} is not WIDTHxHEIGHT in pixels, such as 1200x900, or on paper, such "
+                "as 12x9cm, 120x90mm or 5x4in"
+            )
+        width, height, unit = match.groups()
+        numbers = float(width), float(height)
+        if unit in _PER_INCH:
+            dpi = dpi or _PRINT
+            numbers = numbers[0] * dpi / _PER_INCH[unit], numbers[1] * dpi / _PER_INCH[unit]
+            return (round(numbers[0]), round(numbers[1])), dpi
+    else:
+        given = tuple(size) if np.iterable(size) else ()
+        if len(given) != 2 or not all(map(_is_number, given)):
+            raise MeshdepictError(
+                f"size={size!r} is neither (width, height) nor a text like 12x9cm"
+            )
+        numbers = float(given[0]), float(given[1])
+    if any(number != math.floor(number) for number in numbers):
+        raise MeshdepictError(f"size={size!r}: pixels come in whole numbers")
+    return (int(numbers[0]), int(numbers[1])), dpi
+
+
+def check_pixels(size: tuple[int, int], why: str = "") -> None:
+    """Refuse a picture that can't be drawn; `why` it would be like that goes into the sentence."""
+    if not all(1 <= length <= _MOST for length in size):
+        raise MeshdepictError(
+            f"a picture of {size[0]}x{size[1]} pixels{why}: 1 to {_MOST} are possible"
+        )
+
+
+def _ground(background: str) -> tuple[int, int, int] | None:
+    if background in _GROUNDS:
+        return _GROUNDS[background]
+    if isinstance(background, str) and re.fullmatch(r"#[0-9a-fA-F]{6}", background):
+        red, green, blue = bytes.fromhex(background[1:])
+        return red, green, blue
+    raise MeshdepictError(
+        f"background={background!r} is none of {', '.join(_GROUNDS)} and no #rrggbb"
+    )
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, (int, float, np.number)) and math.isfinite(value)
