@@ -25,7 +25,7 @@ from meshdepict.threads import each, spans, thread_count
 
 if TYPE_CHECKING:
     from meshdepict.gbuffer import GBuffer
-    from meshdepict.scales import Progress
+    from meshdepict.ladder import Progress
 
 __all__ = ["bilateral_scales", "bilateral_step", "bilateral_taps"]
 

@@ -19,7 +19,7 @@ from meshdepict.threads import each, spans, thread_count
 
 if TYPE_CHECKING:
     from meshdepict.gbuffer import GBuffer
-    from meshdepict.scales import Progress
+    from meshdepict.ladder import Progress
 
 __all__ = ["MOST_STEPS", "STEP", "diffuse", "diffused_scales", "diffusion_width", "step_count"]
 

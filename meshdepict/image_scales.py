@@ -10,8 +10,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from meshdepict.errors import MeshdepictError
 from meshdepict.gbuffer import GBuffer
+from meshdepict.ladder import Progress, check_ladder, ladder, resolve_width
 from meshdepict.options import nearest
-from meshdepict.scales import Progress, ScaleSpace, _check, _ladder, resolve_width
+from meshdepict.scales import ScaleSpace
 
 if TYPE_CHECKING:
     from meshdepict.curvature import PrincipalCurvatures, ViewCurvature
@@ -197,7 +198,7 @@ def image_space(
         )
     if isinstance(depth_range, (str, bool)) or not depth_range > 0:
         raise MeshdepictError(f"depth_range={depth_range!r} is not a positive number")
-    _check(scales, ratio, 1, 1e-4)
+    check_ladder(scales, ratio, 1, 1e-4)
     first = resolve_width(width, gbuffer)
     if iterations is not None:
         from meshdepict.diffusion import diffusion_width
@@ -205,7 +206,7 @@ def image_space(
         if isinstance(iterations, bool) or int(iterations) != iterations or iterations < 1:
             raise MeshdepictError(f"iterations={iterations!r} is not a whole number from 1 on")
         scales, first = 1, diffusion_width(int(iterations)) * gbuffer.edge_length
-    widths = _ladder(0 if filter == "none" else scales, ratio, first)
+    widths = ladder(0 if filter == "none" else scales, ratio, first)
     planes = np.empty((len(widths), 3, len(gbuffer.normals)), np.float32)
     planes[0] = gbuffer.normals.T
     pixels = widths / gbuffer.edge_length

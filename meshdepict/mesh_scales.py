@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from meshdepict.ladder import Progress, reporter
 from meshdepict.mesh import Mesh
-from meshdepict.scales import Progress, ScaleSpace, reporter
+from meshdepict.scales import ScaleSpace
 from meshdepict.smoothing import NormalSums
 
 if TYPE_CHECKING:

@@ -6,13 +6,13 @@ The only step that knows what kind of shape it has. Everything after it works on
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from meshdepict.errors import MeshdepictError
+from meshdepict.ladder import Progress, check_ladder, ladder, resolve_width
 
 if TYPE_CHECKING:
     from meshdepict.curvature import PrincipalCurvatures, ViewCurvature
@@ -20,9 +20,7 @@ if TYPE_CHECKING:
     from meshdepict.occlusion import Openness
     from meshdepict.scene import View
 
-__all__ = ["Progress", "ScaleSpace", "reporter", "resolve_width", "scale_space", "smooth_normals"]
-
-Progress = Callable[[float, float], None]
+__all__ = ["ScaleSpace", "scale_space", "smooth_normals"]
 
 
 class ScaleSpace:
@@ -244,7 +242,7 @@ def scale_space(
     MeshdepictError
         For a parameter out of its range.
     """
-    _check(scales, ratio, facing, tolerance)
+    check_ladder(scales, ratio, facing, tolerance)
     kind = getattr(shape, "kind", None)
     if kind == "image":
         from meshdepict.image_scales import image_space
@@ -254,7 +252,7 @@ def scale_space(
         raise MeshdepictError(
             f"a {type(shape).__name__} has no scale space: give a Mesh, a Volume or a GBuffer"
         )
-    widths = _ladder(scales, ratio, resolve_width(width, shape))
+    widths = ladder(scales, ratio, resolve_width(width, shape))
     if kind == "volume":
         from meshdepict.grid_scales import grid_space
 
@@ -282,56 +280,3 @@ def smooth_normals(
     first = last * math.sqrt(2) ** (1 - rungs)
     space = scale_space(mesh, scales=rungs, width=first, facing=facing, tolerance=tolerance)
     return space.normals[-1]
-
-
-def _ladder(scales: int, ratio: float, first: float) -> NDArray[np.float64]:
-    """Return the widths: 0, then the first one and its followers."""
-    with np.errstate(over="ignore"):
-        widths = np.concatenate(([0.0], first * ratio ** np.arange(scales, dtype=float)))
-    if not np.isfinite(widths).all():
-        raise MeshdepictError(f"{scales} scales of ratio {ratio:g} grow beyond all numbers")
-    return widths
-
-
-def resolve_width(width: float | str | None, shape: Any) -> float:
-    """Return a width in world units: a number, "0.2%" of the diagonal, or None, the median edge."""
-    if width is None:
-        return float(shape.edge_length)
-    try:
-        if isinstance(width, str) and width.strip().endswith("%"):
-            resolved = float(width.strip()[:-1]) / 100 * shape.diagonal
-        else:
-            resolved = float(width)
-    except (TypeError, ValueError):
-        resolved = math.nan
-    if not (0 < resolved < math.inf):
-        raise MeshdepictError(
-            f"width={width!r} is not a positive length, such as 0.5 (world units) or '0.2%' "
-            "(of the diagonal)"
-        )
-    return resolved
-
-
-def _check(scales: int, ratio: float, facing: int, tolerance: float) -> None:
-    if isinstance(scales, bool) or int(scales) != scales or not 0 <= scales <= 64:
-        raise MeshdepictError(f"scales={scales!r} is not a whole number from 0 to 64")
-    if not 1 < ratio <= 10:
-        raise MeshdepictError(f"ratio={ratio!r} is not a number above 1 and up to 10")
-    if facing not in (0, 1):
-        raise MeshdepictError(f"facing={facing!r} is neither 0 (the paper's sum) nor 1")
-    if not 1e-7 <= tolerance <= 0.1:
-        raise MeshdepictError(f"tolerance={tolerance!r} is not an angle from 1e-7 to 0.1 radians")
-
-
-def reporter(progress: Progress | None, scale: int, scales: int) -> Callable[[float], None] | None:
-    """Turn shares of one scale's work into ``progress(done, total)`` over all scales."""
-    if progress is None:
-        return None
-    finished = 0.0
-
-    def done(share: float) -> None:
-        nonlocal finished
-        finished = min(finished + share, 1.0)
-        progress(scale - 1 + finished, scales)
-
-    return done

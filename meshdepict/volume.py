@@ -184,6 +184,42 @@ class Volume:
             attributes=self.attributes,
         )
 
+    def cropped(
+        self,
+        *,
+        x: tuple[float, float] = (0.0, 1.0),
+        y: tuple[float, float] = (0.0, 1.0),
+        z: tuple[float, float] = (0.0, 1.0),
+    ) -> Volume:
+        """Return a part of the grid, at the same place in the world; nothing is copied.
+
+        Parameters
+        ----------
+        x, y, z : (float, float)
+            Shares of the grid's own axes, from 0 to 1.
+
+        Raises
+        ------
+        MeshdepictError
+            For other shares, and where less than two slices are left.
+        """
+        spans = []
+        for name, span, count in zip("xyz", (x, y, z), self.values.shape[::-1], strict=True):
+            if not 0 <= span[0] < span[1] <= 1:
+                raise MeshdepictError(f"{name}={span!r} are not two shares of an axis, 0 … 1")
+            ends = (round(share * (count - 1)) for share in span)
+            spans.append(slice(next(ends), next(ends) + 1))
+        if spans == [slice(0, count) for count in self.values.shape[::-1]]:
+            return self
+        return Volume(
+            self.values[tuple(spans[::-1])],
+            spacing=self.spacing,
+            origin=self.to_world([span.start for span in spans]),
+            direction=self.direction,
+            hounsfield=self.hounsfield,
+            attributes=self.attributes,
+        )
+
     def _check_contents(self) -> None:
         """Refuse NaN and constants, reading no more of the values than it takes."""
         first = self.values[0, 0, 0]
@@ -254,5 +290,5 @@ class Volume:
 
     @property
     def edge_length(self) -> float:
-        """The smallest spacing, in world units."""
-        return float(self.spacing.min())
+        """The largest spacing, in world units: what is finer along it are steps between slices."""
+        return float(self.spacing.max())

@@ -13,7 +13,7 @@ README = (ROOT / "README.md").read_text(encoding="utf-8")
 
 # A module's top-level imports come only from rooms to its left.
 ORDER = [
-    "errors options threads fingerprint picture_input upright",
+    "errors options threads fingerprint picture_input upright ladder",
     "triangles polygons mesh_input volume_input welding edges icosahedron sidedness orientation",
     "mesh volume implicit",
     "phantom",
@@ -23,7 +23,8 @@ ORDER = [
     "transfer_function",
     "transfer",
     "direct_sums spectral_sums gaussian",
-    "smoothing bilateral diffusion grid_sums gaussian_bands gaussian_gradient grid_normals",
+    "smoothing bilateral diffusion",
+    "grid_samples grid_sums gaussian_bands gaussian_gradient grid_normals",
     "curvature",
     "scales",
     "mesh_scales image_scales grid_scales interpolated_scales",
@@ -33,8 +34,9 @@ ORDER = [
     "shading",
     "color color2d provenance",
     "refinement",
+    "baked",
     "baking",
-    "volume_recipe volume_baking out_of_core",
+    "volume_place volume_recipe volume_baking out_of_core",
     "isosurface sheet accessor",
     "recipe",
     "viewer console",

@@ -6,8 +6,8 @@ from conftest import angle_between, rotation
 
 from meshdepict import mesh_scales, samples, scale_space, smooth_normals
 from meshdepict.errors import MeshdepictError
+from meshdepict.ladder import resolve_width
 from meshdepict.mesh import Mesh
-from meshdepict.scales import resolve_width
 from meshdepict.scene import View
 
 

@@ -59,7 +59,7 @@ def test_size_does_not_change_when_turned_or_mirrored(values, rng, mirror):
     turned = Volume(values, spacing=spacing, direction=rotation(rng) * (1, mirror, 1))
     size = np.linalg.norm(spacing * (2, 3, 4))
     assert turned.diagonal == pytest.approx(size, rel=1e-14)
-    assert turned.edge_length == 0.5
+    assert turned.edge_length == 2
     corners = turned.outline
     assert corners.shape == (8, 3)
     apart = np.linalg.norm(corners[:, None] - corners, axis=-1)

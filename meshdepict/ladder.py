@@ -1,0 +1,84 @@
+"""The ladder of a scale space: its widths, what they may be, and progress along it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from meshdepict.errors import MeshdepictError
+
+__all__ = ["Progress", "check_ladder", "ladder", "reporter", "resolve_width"]
+
+Progress = Callable[[float, float], None]
+
+
+def ladder(scales: int, ratio: float, first: float) -> NDArray[np.float64]:
+    """Return the widths (scales + 1,): 0, then the first one and its followers.
+
+    Raises
+    ------
+    MeshdepictError
+        Where they grow beyond all numbers.
+    """
+    with np.errstate(over="ignore"):
+        widths = np.concatenate(([0.0], first * ratio ** np.arange(scales, dtype=float)))
+    if not np.isfinite(widths).all():
+        raise MeshdepictError(f"{scales} scales of ratio {ratio:g} grow beyond all numbers")
+    return widths
+
+
+def resolve_width(width: float | str | None, shape: Any) -> float:
+    """Return a width in world units: a number, "0.2%" of the diagonal, or None.
+
+    None is the shape's own step: a mesh's median edge, a volume's largest spacing, a pixel.
+
+    Raises
+    ------
+    MeshdepictError
+        For what is no positive length.
+    """
+    if width is None:
+        return float(shape.edge_length)
+    try:
+        if isinstance(width, str) and width.strip().endswith("%"):
+            resolved = float(width.strip()[:-1]) / 100 * shape.diagonal
+        else:
+            resolved = float(width)
+    except (TypeError, ValueError):
+        resolved = math.nan
+    if not (0 < resolved < math.inf):
+        raise MeshdepictError(
+            f"width={width!r} is not a positive length, such as 0.5 (world units) or '0.2%' "
+            "(of the diagonal)"
+        )
+    return resolved
+
+
+def check_ladder(scales: int, ratio: float, facing: int, tolerance: float) -> None:
+    """Refuse parameters of a scale space that are out of their range."""
+    if isinstance(scales, bool) or int(scales) != scales or not 0 <= scales <= 64:
+        raise MeshdepictError(f"scales={scales!r} is not a whole number from 0 to 64")
+    if not 1 < ratio <= 10:
+        raise MeshdepictError(f"ratio={ratio!r} is not a number above 1 and up to 10")
+    if facing not in (0, 1):
+        raise MeshdepictError(f"facing={facing!r} is neither 0 (the paper's sum) nor 1")
+    if not 1e-7 <= tolerance <= 0.1:
+        raise MeshdepictError(f"tolerance={tolerance!r} is not an angle from 1e-7 to 0.1 radians")
+
+
+def reporter(progress: Progress | None, scale: int, scales: int) -> Callable[[float], None] | None:
+    """Turn shares of one scale's work into ``progress(done, total)`` over all scales."""
+    if progress is None:
+        return None
+    finished = 0.0
+
+    def done(share: float) -> None:
+        nonlocal finished
+        finished = min(finished + share, 1.0)
+        progress(scale - 1 + finished, scales)
+
+    return done
