@@ -2,6 +2,7 @@
 
 Every function takes the wanted number of vertices and returns the mesh whose own count is the
 nearest that its layout has (each docstring says how near). All windings point outwards or up.
+`ct_phantom` is a volume.
 """
 
 from __future__ import annotations
@@ -16,8 +17,11 @@ from meshdepict.errors import MeshdepictError
 from meshdepict.icosahedron import icosphere, lattice_points
 from meshdepict.mesh import Mesh
 from meshdepict.options import Range, check
+from meshdepict.phantom import ct_phantom
 
-__all__ = ["golf_ball", "radiating_ridges", "ridge_height", "sphere", "torus", "wavy_sheet"]
+__all__ = [
+    "ct_phantom", "golf_ball", "radiating_ridges", "ridge_height", "sphere", "torus", "wavy_sheet",
+]  # fmt: skip
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

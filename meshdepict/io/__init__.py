@@ -1,4 +1,7 @@
-"""Reading and writing meshes: PLY, OBJ, OFF, STL, GLB, glTF and VTP, each also as ``.gz``."""
+"""Reading and writing meshes: PLY, OBJ, OFF, STL, GLB, glTF and VTP, each also as ``.gz``.
+
+`volumes` reads and writes volumes.
+"""
 
 from __future__ import annotations
 
@@ -20,16 +23,20 @@ if TYPE_CHECKING:
     from collections.abc import Iterable
 
     from meshdepict.mesh import Mesh
+    from meshdepict.volume import Volume
 
 __all__ = ["atomic_write", "read", "read_mesh", "read_provenance", "write_mesh"]
 
 
-def read(path: str | os.PathLike[str], *, winding: str = "auto") -> Mesh:
-    """Read whatever a file holds, by its content and its suffix.
+def read(path: str | os.PathLike[str]) -> Mesh | Volume:
+    """Read whatever a file or a folder holds, by its content and its suffix.
 
-    Parameters and errors are `read_mesh`'s.
+    A mesh as `read_mesh` does, or a volume as `volumes.read_volume`, which know more to choose and
+    say what can go wrong. A ``.tif`` may hold anything: `read_volume` takes it for slices.
     """
-    return read_mesh(path, winding=winding)
+    from meshdepict.io.volumes import is_volume_path, read_volume
+
+    return read_volume(path) if is_volume_path(path) else read_mesh(path)
 
 
 def read_mesh(path: str | os.PathLike[str], *, winding: str = "auto") -> Mesh:

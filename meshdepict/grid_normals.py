@@ -1,0 +1,87 @@
+"""Normals of a grid: where there are none, and the ways between voxels and the world."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from meshdepict.grid_samples import Samples, Triple
+
+if TYPE_CHECKING:
+    from meshdepict.volume import Volume
+
+__all__ = ["Scattered", "completed", "gradients_to_world", "in_voxels", "least_gradient"]
+
+# Where the values change by less than this share of their range within a width (a voxel, if that is
+# more), the gradient is none: what is left of 1 − 1 in single precision is a tenth of it.
+_NONE = 1e-6
+
+_WIDEST = 4.0  # lengths of an axis
+
+
+def completed(
+    planes: NDArray[np.float32],
+) -> tuple[NDArray[np.float32], NDArray[np.bool_]]:
+    """Fill in what is finer than the first gradient, and leave out samples without any.
+
+    Returns the planes, packed in place, and the mask of the samples that are left.
+    """
+    bent = planes[0].any(axis=0)
+    missing = np.flatnonzero(~bent)
+    if not len(missing):
+        return planes, bent
+    for scale in range(len(planes) - 2, -1, -1):
+        here, coarser = planes[scale][:, missing], planes[scale + 1][:, missing]
+        planes[scale][:, missing] = np.where(here.any(axis=0), here, coarser)
+    bent[missing] = planes[0][:, missing].any(axis=0)
+    count, packed = int(np.count_nonzero(bent)), planes.reshape(-1)
+    for row, values in enumerate(planes.reshape(-1, planes.shape[2])):
+        packed[row * count : (row + 1) * count] = values[bent]
+    kept = packed[: len(planes) * 3 * count]
+    return kept.reshape(len(planes), 3, count), bent
+
+
+def in_voxels(width: float, shape: Volume) -> NDArray[np.float64]:
+    """Return a width along z, y and x in voxels, at most a few lengths of the axes.
+
+    There everything has decayed, and the smallest gradient that counts must not do so, too.
+    """
+    most = _WIDEST * np.array(shape.values.shape)
+    with np.errstate(over="ignore"):
+        return np.minimum(width / shape.spacing[::-1], most)
+
+
+def least_gradient(width: float, shape: Volume) -> float:
+    """Return the least length of a gradient of values in −1 … 1, per smallest spacing."""
+    return 2 * _NONE / max(float(in_voxels(width, shape).max()), 1.0)
+
+
+def gradients_to_world(shape: Volume) -> NDArray[np.float64]:
+    """Return the matrix from d/dx, d/dy, d/dz per voxel to the world, per smallest spacing."""
+    return np.ascontiguousarray(shape.direction * (shape.spacing.min() / shape.spacing))
+
+
+class Scattered:
+    """A grid that is zero but at samples, to be read like a `Piece`."""
+
+    def __init__(self, samples: Samples, values: NDArray[Any], shape: Triple) -> None:
+        self.samples, self.values, self.shape = samples, values, shape
+
+    def read(self, low: Triple, high: Triple, kind: Any) -> NDArray[Any]:
+        """Return a box that holds all samples of its slices."""
+        block = np.zeros([b - a for a, b in zip(low, high, strict=True)], kind)
+        rows = self.samples.rows
+        begin, end = (
+            int(np.clip(z - self.samples.low[0], 0, len(rows))) for z in (low[0], high[0])
+        )
+        if end > begin:
+            a, b = rows[begin, 0], rows[end - 1, -1]
+            part = Samples(
+                (self.samples.low[0] + begin, *self.samples.low[1:]),
+                rows[begin:end] - a,
+                self.samples.columns[a:b],
+            )
+            block.reshape(-1)[part.flat(block.shape, low)] = self.values[a:b]
+        return block
