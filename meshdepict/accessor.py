@@ -12,7 +12,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from meshdepict.baking import Baked, as_mesh, bake, find_method
+from meshdepict.baked import Baked
+from meshdepict.baking import as_mesh, bake, find_method
 from meshdepict.errors import MeshdepictError
 from meshdepict.options import check, options_of
 from meshdepict.scales import ScaleSpace, scale_space

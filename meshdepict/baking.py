@@ -6,132 +6,23 @@ import functools
 import inspect
 import os
 from collections.abc import Callable, Mapping
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from meshdepict import color, color2d
+from meshdepict.baked import Baked
 from meshdepict.errors import MeshdepictError
-from meshdepict.options import check, nearest
+from meshdepict.options import check, nearest, options_of
 from meshdepict.provenance import describe, was_baked
 from meshdepict.scales import ScaleSpace, scale_space
 from meshdepict.scene import View, as_light, as_lighting, as_view
 
 if TYPE_CHECKING:
     from meshdepict.mesh import Mesh
-    from meshdepict.refinement import EdgeError
 
-__all__ = ["Baked", "as_mesh", "bake", "find_method"]
-
-
-class Baked:
-    """Colours on a shape, and how they came about.
-
-    Attributes
-    ----------
-    shape : Mesh
-    colors : (n, 3) array of uint8
-        sRGB.
-    intensity : (n,) or (n, 3) array of float
-        What the method returned, in [0, 1], before colour map and encoding.
-    provenance : dict of str
-        Version, method, options, light, view, widths and the mesh's digest.
-    view : View
-        The view that names of lights referred to, and that pictures show.
-    """
-
-    def __init__(
-        self,
-        shape: Mesh,
-        intensity: NDArray[Any],
-        colors: NDArray[np.uint8],
-        provenance: Mapping[str, str],
-        view: View,
-        *,
-        measure: Callable[[], EdgeError] | None = None,
-    ) -> None:
-        self.shape = shape
-        self.intensity = intensity
-        self.colors = colors
-        self.provenance = dict(provenance)
-        self.view = view
-        self._measure = measure
-
-    @functools.cached_property
-    def edge_error(self) -> EdgeError | None:
-        """How far colours between vertices are from shading there; measured when asked for.
-
-        None where that can't be said: of a refined bake, two lights, and methods that look at more
-        than a sample's own normals and curvature.
-        """
-        return self._measure() if self._measure is not None else None
-
-    def __repr__(self) -> str:
-        """Return method and size."""
-        return f"<Baked: {self.provenance['method']} on {len(self.colors):,} samples>"
-
-    @property
-    def comments(self) -> list[str]:
-        """The provenance as lines for a file's header."""
-        lines = [f"meshdepict {key}: {text}" for key, text in self.provenance.items()]
-        # Headers that go beyond ASCII are more than VTK and several PLY readers take.
-        return [line.encode("ascii", "backslashreplace").decode() for line in lines]
-
-    def save(self, path: str | Path) -> Path:
-        """Write the shape with its colours; the suffix decides the format.
-
-        Everything the input file had is kept. An existing file is replaced, once the new one
-        is complete.
-
-        Raises
-        ------
-        MeshdepictError
-            For a format that holds no colours, or where the file cannot be written.
-        """
-        from meshdepict.io import write_mesh
-
-        write_mesh(path, self.shape, colors=self.colors, comments=self.comments)
-        return Path(path)
-
-    def to_pyvista(self) -> Any:
-        """Return a ``pyvista.PolyData``: colours as "RGB", intensity as "depict_<method>".
-
-        Polygons and other arrays are the shape's; its own colours become "original_RGB".
-        """
-        from meshdepict.exchange import to_polydata
-        from meshdepict.io.document import Saving, recolored
-
-        attributes = recolored(
-            self.shape.attributes["vertex"], Saving(self.colors), ours=was_baked(self.shape)
-        )
-        attributes[f"depict_{self.provenance['method']}"] = self.intensity
-        poly = to_polydata(self.shape, attributes, self.comments)
-        poly.set_active_scalars("RGB", preference="point")
-        return poly
-
-    def to_trimesh(self) -> Any:
-        """Return a ``trimesh.Trimesh`` with vertex colours, vertices in the same order."""
-        import trimesh
-
-        vertices, faces = self.shape.vertices.copy(), self.shape.faces.copy()
-        return trimesh.Trimesh(vertices, faces, vertex_colors=self.colors, process=False)
-
-    def show(self, **plotter: Any) -> Any:
-        """Open a PyVista window with the colours as they are, in this bake's view.
-
-        Keyword arguments go to ``pyvista.Plotter``.
-        """
-        from meshdepict.viewer.picture import plot
-
-        return plot(self, **plotter).show()
-
-    def picture(self, path: str | Path, *, size: tuple[int, int] = (1000, 1000)) -> Path:
-        """Render a PNG of this bake in its view, without needing a display."""
-        from meshdepict.viewer.picture import save_picture
-
-        return save_picture(self, path, size=size)
+__all__ = ["Baked", "as_mesh", "bake", "find_method", "refuse_other_scales"]
 
 
 def bake(
@@ -157,7 +48,7 @@ def bake(
 
     Parameters
     ----------
-    shape : path, Mesh, ScaleSpace, pyvista.PolyData or trimesh.Trimesh
+    shape : path, Mesh, GBuffer, ScaleSpace, pyvista.PolyData or trimesh.Trimesh
         A `ScaleSpace` is used as it is: several bakes can share one. What it was made with can't
         be asked for again.
     method : str
@@ -167,7 +58,7 @@ def bake(
         Names and angles refer to the view.
     view : str or View
         "front", "top", …; fitted to the shape.
-    up : {"y", "z"}
+    up : {"y", "z", "-y", "-z"}
         Which axis of the shape points up.
     scales, width, ratio, facing, tolerance
         See `scale_space`; None takes what the method declares.
@@ -201,6 +92,9 @@ def bake(
     function = find_method(method)
     declared = declaration(function)
     options = check(function, options, method)
+    is_image = _kind(shape) == "image"
+    if is_image and "curvature" in options_of(function):
+        options = {"curvature": "view"} | options  # as its paper has it; see `features`
     if colormap is not None:
         color.colormap(colormap)
         if colormap2d is not None:
@@ -209,14 +103,17 @@ def bake(
         color2d.colormap2d(colormap2d)
     if albedo not in ("none", "keep"):
         raise MeshdepictError(f"albedo={albedo!r} is neither 'keep' nor 'none'")
-    mesh = shape.shape if isinstance(shape, ScaleSpace) else as_mesh(shape)
+    if isinstance(shape, ScaleSpace):
+        mesh: Any = shape.shape
+    else:
+        mesh = shape if is_image else as_mesh(shape)
     own = _own_colors(mesh) if albedo == "keep" else None
     eye = as_view(view, mesh, up=up)
     lamp = as_lighting(light, eye, up=up) if colormap2d is None else as_light(light, eye)
     if isinstance(shape, ScaleSpace):
         space = shape
         asked = {"scales": scales, "width": width, "ratio": ratio}
-        _refuse_other_scales(space, asked | {"facing": facing, "tolerance": tolerance})
+        refuse_other_scales(space, asked | {"facing": facing, "tolerance": tolerance})
     else:
         space = scale_space(
             mesh,
@@ -271,7 +168,19 @@ def bake(
     )
     if refine is not None:
         provenance["refined"] = f"to {refine:g} grey levels, {len(mesh.faces)} triangles"
-    return Baked(mesh, intensity, colors, provenance, eye, measure=measure)
+    return Baked(
+        mesh, intensity, colors, provenance, eye,
+        space=None if refine is not None else space, measure=measure,
+        settings={
+            "method": method, "light": lamp, "up": up, "colormap": colormap,
+            "colormap2d": colormap2d, "albedo": albedo, **options,
+        },
+    )  # fmt: skip
+
+
+def _kind(shape: Any) -> str | None:
+    """Return what kind of shape it is, or was sampled; None of what is yet to become one."""
+    return getattr(shape.shape if isinstance(shape, ScaleSpace) else shape, "kind", None)
 
 
 def find_method(name: str) -> Callable[..., Any]:
@@ -293,7 +202,12 @@ def as_mesh(shape: Any) -> Mesh:
         return shape
     if isinstance(shape, (str, os.PathLike)):
         from meshdepict.io import read_mesh
+        from meshdepict.io.volumes import is_volume_path
 
+        if is_volume_path(shape) and not os.path.isdir(shape):
+            raise MeshdepictError(
+                f"{os.fspath(shape)} is a volume, not a mesh: take bake_volume (meshdepict volume)"
+            )
         return read_mesh(shape)
     if hasattr(shape, "GetPolys") and hasattr(shape, "point_data"):
         return Mesh.from_pyvista(shape)
@@ -322,7 +236,7 @@ def _own_colors(mesh: Mesh) -> NDArray[np.uint8]:
     )
 
 
-def _refuse_other_scales(space: ScaleSpace, asked: Mapping[str, Any]) -> None:
+def refuse_other_scales(space: ScaleSpace, asked: Mapping[str, Any]) -> None:
     """Refuse to ask a finished scale space for what it wasn't made with."""
     parameters = inspect.signature(bake).parameters
     for name, value in asked.items():

@@ -16,7 +16,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from meshdepict import samples
-from meshdepict.baking import Baked, bake
+from meshdepict.baked import Baked
+from meshdepict.baking import bake
 from meshdepict.console import about, complain, notes, progress_bar
 from meshdepict.errors import MeshdepictError
 from meshdepict.io import read_mesh

@@ -8,7 +8,8 @@ import trimesh
 
 from meshdepict import bake, color, read_mesh, samples, scale_space, shading
 from meshdepict import gaussian as gaussian_module
-from meshdepict.baking import Baked, as_mesh
+from meshdepict.baked import Baked
+from meshdepict.baking import as_mesh
 from meshdepict.errors import MeshdepictError
 from meshdepict.io import read_provenance, write_mesh
 from meshdepict.mesh import Mesh

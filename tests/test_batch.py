@@ -314,7 +314,7 @@ def test_a_fault_of_the_program_s_own_is_one_line_and_the_rest_goes_on(run, ball
     def broken(*arguments, **options):
         raise RuntimeError("that should not happen")
 
-    from meshdepict.baking import Baked
+    from meshdepict.baked import Baked
 
     monkeypatch.setattr(Baked, "save", broken)
     code, lines, errors = run("bake", "ball.ply", "-m", "lambert")

@@ -10,8 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 if TYPE_CHECKING:
-    from meshdepict.baking import Baked
-    from meshdepict.mesh import Mesh
+    from meshdepict.baked import Baked
     from meshdepict.scene import View
 
 __all__ = ["Canvas", "canvas", "on_ground", "only_errors", "place", "unit_polydata"]
@@ -121,7 +120,7 @@ def unit_polydata(baked: Baked) -> Any:
     return poly
 
 
-def place(camera: Any, view: View, shape: Mesh) -> None:
+def place(camera: Any, view: View, shape: Any) -> None:
     """Make a camera see `unit_polydata` as a view sees the shape."""
     unit = shape.diagonal or 1.0
     camera.position = tuple(shape.recentred(view.position))

@@ -15,13 +15,14 @@ from meshdepict.viewer.framing import Framing, frame
 from meshdepict.viewer.scale_bar import draw_scale_bar
 
 if TYPE_CHECKING:
-    from meshdepict.baking import Baked
+    from meshdepict.baked import Baked
 
 __all__ = [
     "check_picture",
     "finished",
     "plot",
     "read_picture_provenance",
+    "save_image",
     "save_picture",
     "write_picture",
 ]
@@ -66,6 +67,23 @@ def save_picture(
     with canvas(baked, framing.drawn) as drawing:
         image = finished(drawing.draw(framing.view), framing, figure)
     return write_picture(image, path, baked.provenance, figure.dpi)
+
+
+def save_image(baked: Baked, path: str | Path, *, background: str = "white") -> Path:
+    """Write the pixels of a baked image as a PNG, just as they are.
+
+    Raises
+    ------
+    MeshdepictError
+        As `check_picture`, for an unknown background, and where the file can't be written.
+    """
+    from PIL import Image
+
+    check_picture(path)
+    ground = Figure(background=background).ground
+    covered = np.column_stack((baked.colors, np.full(len(baked.colors), 255, np.uint8)))
+    pixels = on_ground(baked.shape.image(covered), ground)
+    return write_picture(Image.fromarray(pixels), path, baked.provenance)
 
 
 def write_picture(

@@ -1,0 +1,184 @@
+"""What the page asks for, done to a session: one thing after the other, apart from the server."""
+
+from __future__ import annotations
+
+import copy
+import inspect
+import re
+from collections.abc import Callable, Iterable
+from dataclasses import asdict
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from meshdepict.baking import find_method
+from meshdepict.errors import MeshdepictError
+from meshdepict.options import as_text
+from meshdepict.recipe import save_recipe
+from meshdepict.scene import Light, View
+from meshdepict.viewer.controls import Control, controls
+from meshdepict.viewer.packing import sight
+from meshdepict.viewer.page import save_page
+
+if TYPE_CHECKING:
+    from meshdepict.baked import Baked
+    from meshdepict.viewer.session import Session
+
+__all__ = ["KINDS", "Desk"]
+
+KINDS = {"ply": "ply", "png": "png", "html": "html", "recipe": "toml"}
+"""What can be saved, and the suffix of its file."""
+
+_OFFERED = ("gray", "sepia", "stone", "gooch", "viridis", "cividis", "magma", "RdBu_r")
+
+
+class Desk:
+    """A session as a page sees it.
+
+    Parameters
+    ----------
+    session : Session
+    title : str
+        What the page calls the shape; files are named after it.
+    """
+
+    def __init__(self, session: Session, title: str) -> None:
+        self.session = session
+        self.title = title
+        self._distance = float(np.linalg.norm(session.view.position - session.view.focus))
+
+    def apply(self, changes: Iterable[Any]) -> str:
+        """Make changes, each [kind, values…], and shade; return what went wrong, if anything did.
+
+        Kinds: method name; option method name value (None: the default); light x y z in a list;
+        follow whether; view frame focus half-height;
+        colormap name; reset.
+        """
+        faults = []
+        for change in changes:
+            try:
+                kind, *values = change
+                if kind not in _VERBS:
+                    raise MeshdepictError(f"the page asked for {kind!r}, which is unknown")
+                _VERBS[kind](self, *values)
+            except MeshdepictError as error:
+                faults.append(str(error))
+            except (TypeError, ValueError):
+                faults.append(f"the page sent what is no change: {change!r:.80}")
+        try:
+            self.session.baked()
+        except (MeshdepictError, MemoryError) as error:
+            faults.append(str(error) or "out of memory")
+        return "; ".join(faults)
+
+    def look(self) -> dict[str, Any]:
+        """Return all that the page's controls show."""
+        from meshdepict.shading import METHODS
+
+        session = self.session
+        summary = (inspect.getdoc(find_method(session.method)) or "").partition("\n\n")[0]
+        single = isinstance(session.light, Light)
+        return {
+            "title": self.title,
+            "kinds": list(KINDS),
+            "method": session.method,
+            "methods": list(METHODS),
+            "about": " ".join(summary.split()),
+            "controls": [self._control(control) for control in controls(session.method)],
+            "light": session.light.direction.tolist() if single else None,
+            "follows": session.light_fixed_to == "eye",
+            "lightText": str(session.light)[:200],
+            "colormap": session.colormap or "",
+            "colormaps": list(_OFFERED),
+        }
+
+    def home(self) -> dict[str, Any]:
+        """Return the view from which the page should look."""
+        return sight(self.session.view)
+
+    def baked(self) -> Baked:
+        """Return the bake as it is seen now."""
+        return copy.copy(self.session.baked())  # the session's own goes on with its view
+
+    def name(self, kind: str) -> str:
+        """Return a name for a file, in letters that every disk and header takes."""
+        stem = re.sub(r"[^A-Za-z0-9._-]+", "-", Path(self.title).stem).strip("-.") or "mesh"
+        return f"{stem}-{self.session.method}.{KINDS[kind]}"
+
+    def save(self, kind: str, baked: Baked, size: tuple[int, int]) -> bytes:
+        """Return a file of one of `KINDS`.
+
+        Raises
+        ------
+        MeshdepictError
+            For a recipe that no file can hold, and a picture of an impossible size.
+        """
+        with TemporaryDirectory(prefix="meshdepict-") as folder:
+            path = Path(folder) / self.name(kind)
+            if kind == "recipe":
+                save_recipe(path, self.session.settings())
+            elif kind == "png":
+                baked.picture(path, size=size)
+            elif kind == "html":
+                save_page(baked, path)
+            else:
+                baked.save(path)
+            return path.read_bytes()
+
+    def _control(self, control: Control) -> dict[str, Any]:
+        value = self.session.options.get(control.name, control.default)
+        shown = control.start if value is None else value
+        if control.kind == "text":
+            shown = "" if value is None else as_text(value)
+        return {**asdict(control), "default": None, "value": _plain(shown), "unset": value is None,
+                "changed": value != control.default}  # fmt: skip
+
+    # --- changes ------------------------------------------------------------------------------
+
+    def _option(self, method: str, name: str, value: Any) -> None:
+        if method == self.session.method:  # else another one was chosen meanwhile
+            self.session.set(**{name: value})
+
+    def _look(self, frame: Any, focus: Any, half_height: Any) -> None:
+        axes, centre = (np.asarray(numbers, dtype=np.float64) for numbers in (frame, focus))
+        if axes.shape != (3, 3) or centre.shape != (3,):
+            raise MeshdepictError("a view needs three axes and a focus")
+        self.session.look(
+            View(
+                centre + self._distance * axes[2], centre, axes[1],
+                height_px=self.session.view.height_px, parallel_scale=half_height,
+            )
+        )  # fmt: skip
+
+    def _use(self, method: str) -> None:
+        self.session.use(method)
+
+    def _shine(self, direction: Any) -> None:
+        self.session.shine(Light(direction))
+
+    def _follow(self, follow: Any) -> None:
+        self.session.fix_light("eye" if follow else "object")
+
+    def _paint(self, colormap: str | None) -> None:
+        self.session.paint(colormap)
+
+    def _reset(self) -> None:
+        self.session.reset()
+
+
+_VERBS: dict[str, Callable[..., None]] = {
+    "method": Desk._use,
+    "option": Desk._option,
+    "light": Desk._shine,
+    "follow": Desk._follow,
+    "view": Desk._look,
+    "colormap": Desk._paint,
+    "reset": Desk._reset,
+}
+
+
+def _plain(value: Any) -> Any:
+    """Return a value that travels: a number, a text or None."""
+    return value if value is None or isinstance(value, (int, float, str)) else str(value)

@@ -1,0 +1,315 @@
+/* A mesh in its own colours, unlit, in a parallel projection. Turned by mouse, touch and keys.
+   Used by the page that `Baked.save("x.html")` writes and by `meshdepict view --browser`. */
+"use strict";
+
+window.MeshView = (() => {
+  const VERTEX = `#version 300 es
+    in vec3 position;
+    in vec3 color;
+    uniform mat4 sight;
+    out vec3 shade;
+    void main() { shade = color; gl_Position = sight * vec4(position, 1.0); }`;
+  const FRAGMENT = `#version 300 es
+    precision highp float;
+    in vec3 shade;
+    out vec4 seen;
+    void main() { seen = vec4(shade, 1.0); }`;
+  const STEP = Math.PI / 36; // a key press turns by 5°
+  const STILL = 400; // ms without a change
+  const SWIFT = 25; // ms: a picture that comes faster may always be smooth
+
+  const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+  const cross = (a, b) => [
+    a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0],
+  ];
+  const unit = (a) => a.map((x) => x / Math.hypot(...a));
+  const blend = (a, x, b, y) => a.map((_, i) => a[i] * x + b[i] * y);
+
+  /* Undo the differences from row to row (positions) or number to number (corners of faces). */
+  function summed(numbers, stride) {
+    for (let i = stride; i < numbers.length; i++) numbers[i] += numbers[i - stride];
+    return numbers;
+  }
+
+  class MeshView {
+    /* `turned(sight)` is called when a person changes the view; `info` describes the mesh. */
+    constructor(canvas, turned = () => {}) {
+      this.canvas = canvas;
+      this.turned = turned;
+      this.fingers = new Map();
+      this.sight = null;
+      this.frames = 0;
+      this.gl = canvas.getContext("webgl2", { antialias: false }); // see `smoothed`
+      if (!this.gl) throw new Error("This browser has no WebGL 2, which the picture needs.");
+      this.prepare();
+      canvas.addEventListener("webglcontextlost", (event) => event.preventDefault());
+      canvas.addEventListener("webglcontextrestored", () => {
+        this.prepare();
+        if (this.info) this.upload();
+        if (this.bytes) this.paint(this.bytes);
+      });
+      this.sized = new ResizeObserver(() => this.draw());
+      this.sized.observe(canvas);
+      this.listen();
+    }
+
+    prepare() {
+      const gl = this.gl;
+      const program = gl.createProgram();
+      for (const [kind, text] of [[gl.VERTEX_SHADER, VERTEX], [gl.FRAGMENT_SHADER, FRAGMENT]]) {
+        const shader = gl.createShader(kind);
+        gl.shaderSource(shader, text);
+        gl.compileShader(shader);
+        gl.attachShader(program, shader);
+      }
+      gl.bindAttribLocation(program, 0, "position");
+      gl.bindAttribLocation(program, 1, "color");
+      gl.linkProgram(program);
+      gl.useProgram(program);
+      gl.enable(gl.DEPTH_TEST);
+      this.place = gl.getUniformLocation(program, "sight");
+      [this.points, this.colors, this.corners] = [0, 0, 0].map(() => gl.createBuffer());
+      this.samples = null;
+    }
+
+    /* Take a mesh: the bytes of `packing.pack_mesh` and what it says about them. */
+    show(buffer, info) {
+      const points = 6 * info.vertices;
+      const Index = info.wide ? Uint32Array : Uint16Array;
+      this.info = info;
+      this.positions = summed(new Uint16Array(buffer.slice(0, points)), 3);
+      this.indices = summed(new Index(buffer.slice(points)), 1);
+      this.middle = info.low.map((x, i) => x + info.span[i] / 2);
+      this.radius = Math.hypot(...info.span) / 2 || 1;
+      this.upload();
+    }
+
+    upload() {
+      const gl = this.gl;
+      gl.bindBuffer(gl.ARRAY_BUFFER, this.points);
+      gl.bufferData(gl.ARRAY_BUFFER, this.positions, gl.STATIC_DRAW);
+      gl.enableVertexAttribArray(0);
+      gl.vertexAttribPointer(0, 3, gl.UNSIGNED_SHORT, true, 0, 0);
+      gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, this.corners);
+      gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, this.indices, gl.STATIC_DRAW);
+    }
+
+    /* Take new colours: three bytes a vertex. */
+    paint(buffer) {
+      const gl = this.gl;
+      this.bytes = buffer;
+      gl.bindBuffer(gl.ARRAY_BUFFER, this.colors);
+      gl.bufferData(gl.ARRAY_BUFFER, new Uint8Array(buffer), gl.DYNAMIC_DRAW);
+      gl.enableVertexAttribArray(1);
+      gl.vertexAttribPointer(1, 3, gl.UNSIGNED_BYTE, true, 0, 0);
+      this.draw();
+    }
+
+    /* Look from a place: rows right, up and towards the eye; the focus; half the height. */
+    look(sight) {
+      this.sight = { frame: sight.frame, focus: sight.focus, scale: sight.scale };
+      this.home = this.home || this.sight;
+      this.draw();
+    }
+
+    /* Smooth edges cost a software renderer three times as much: where drawing is slow, they come
+       once the picture has been still for a moment. */
+    draw() {
+      if (!this.waiting) {
+        this.waiting = requestAnimationFrame(() => {
+          this.waiting = 0;
+          this.render(this.swift === true);
+        });
+      }
+      this.settle();
+    }
+
+    /* The canvas goes away: nothing is drawn any more. */
+    leave() {
+      this.sized.disconnect();
+      cancelAnimationFrame(this.waiting);
+      clearTimeout(this.rest);
+      this.sight = null;
+    }
+
+    /* Something is on its way that will be drawn. */
+    hold() {
+      clearTimeout(this.rest);
+    }
+
+    /* Nothing more is known to come. */
+    settle() {
+      clearTimeout(this.rest);
+      if (this.swift !== true) this.rest = setTimeout(() => this.finish(), STILL);
+    }
+
+    finish() {
+      const start = performance.now();
+      this.render(true);
+      if (this.swift === undefined && this.bytes && this.sight) { // asked once: it waits
+        this.gl.readPixels(0, 0, 1, 1, this.gl.RGBA, this.gl.UNSIGNED_BYTE, new Uint8Array(4));
+        this.swift = performance.now() - start < SWIFT;
+      }
+    }
+
+    render(smooth) {
+      const { gl, canvas } = this;
+      if (!this.bytes || !this.sight || !canvas.isConnected || gl.isContextLost()) return;
+      const density = window.devicePixelRatio || 1;
+      const width = Math.max(1, Math.round(canvas.clientWidth * density));
+      const height = Math.max(1, Math.round(canvas.clientHeight * density));
+      if (canvas.width !== width || canvas.height !== height) {
+        [canvas.width, canvas.height] = [width, height];
+      }
+      gl.bindFramebuffer(gl.FRAMEBUFFER, smooth ? this.smoothed(width, height) : null);
+      gl.viewport(0, 0, width, height);
+      const paper = getComputedStyle(canvas).backgroundColor.match(/[\d.]+/g).map(Number);
+      gl.clearColor(paper[0] / 255, paper[1] / 255, paper[2] / 255, 1);
+      gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
+      gl.uniformMatrix4fv(this.place, false, this.matrix(width / height));
+      const kind = this.info.wide ? gl.UNSIGNED_INT : gl.UNSIGNED_SHORT;
+      gl.drawElements(gl.TRIANGLES, this.indices.length, kind, 0);
+      if (smooth) {
+        gl.bindFramebuffer(gl.DRAW_FRAMEBUFFER, null);
+        const box = [0, 0, width, height];
+        gl.blitFramebuffer(...box, ...box, gl.COLOR_BUFFER_BIT, gl.NEAREST);
+        gl.bindFramebuffer(gl.FRAMEBUFFER, null);
+      }
+      canvas.dataset.smooth = smooth;
+      canvas.dataset.frames = ++this.frames;
+    }
+
+    /* A framebuffer of four samples a pixel. */
+    smoothed(width, height) {
+      const { gl, samples } = this;
+      if (samples && samples.width === width && samples.height === height) return samples.buffer;
+      if (samples) {
+        samples.parts.forEach((part) => gl.deleteRenderbuffer(part));
+        gl.deleteFramebuffer(samples.buffer);
+      }
+      const buffer = gl.createFramebuffer();
+      gl.bindFramebuffer(gl.FRAMEBUFFER, buffer);
+      const parts = [[gl.RGBA8, gl.COLOR_ATTACHMENT0], [gl.DEPTH_COMPONENT24, gl.DEPTH_ATTACHMENT]]
+        .map(([format, place]) => {
+          const part = gl.createRenderbuffer();
+          gl.bindRenderbuffer(gl.RENDERBUFFER, part);
+          gl.renderbufferStorageMultisample(gl.RENDERBUFFER, 4, format, width, height);
+          gl.framebufferRenderbuffer(gl.FRAMEBUFFER, place, gl.RENDERBUFFER, part);
+          return part;
+        });
+      this.samples = { buffer, parts, width, height };
+      return buffer;
+    }
+
+    /* Half the height in world units: what fits into a square fits into a narrow page, too. */
+    halfHeight() {
+      const aspect = this.canvas.clientWidth / this.canvas.clientHeight;
+      return this.sight.scale / Math.min(1, aspect);
+    }
+
+    /* From numbers in [0, 1] along the box's sides to clip space, column by column. */
+    matrix(aspect) {
+      const { low, span } = this.info;
+      const [right, up, eye] = this.sight.frame;
+      const half = this.halfHeight();
+      const rows = [[right, 1 / (half * aspect), this.sight.focus], [up, 1 / half, this.sight.focus],
+        [eye, -1 / (1.01 * this.radius), this.middle]];
+      const filled = rows.map(([axis, factor, origin]) => [
+        ...axis.map((x, i) => x * span[i] * factor),
+        factor * dot(axis, low.map((x, i) => x - origin[i])),
+      ]);
+      filled.push([0, 0, 0, 1]);
+      return new Float32Array([0, 1, 2, 3].flatMap((column) => filled.map((row) => row[column])));
+    }
+
+    /* --- what a person does ------------------------------------------------------------- */
+
+    moved(change) {
+      if (!this.sight) return;
+      this.sight = { ...this.sight, ...change };
+      this.draw();
+      this.turned(this.sight);
+    }
+
+    turn(aside, down) {
+      const [right, up, eye] = this.sight.frame;
+      const [c, s, k, t] = [Math.cos(aside), Math.sin(aside), Math.cos(down), Math.sin(down)];
+      const x = blend(right, c, eye, s);
+      const z = blend(eye, c, right, -s);
+      const towards = unit(blend(z, k, up, t));
+      const across = unit(cross(cross(towards, x), towards));
+      this.moved({ frame: [across, cross(towards, across), towards] });
+    }
+
+    shift(x, y) { // in pixels
+      const unitsPerPixel = (2 * this.halfHeight()) / this.canvas.clientHeight;
+      const [right, up] = this.sight.frame;
+      const step = blend(right, -x * unitsPerPixel, up, y * unitsPerPixel);
+      this.moved({ focus: this.sight.focus.map((f, i) => f + step[i]) });
+    }
+
+    zoom(factor) {
+      const scale = this.sight.scale * factor;
+      this.moved({ scale: Math.min(Math.max(scale, this.radius * 1e-4), this.radius * 50) });
+    }
+
+    goHome() {
+      this.moved(this.home);
+    }
+
+    listen() {
+      const { canvas, fingers } = this;
+      canvas.style.touchAction = "none";
+      canvas.addEventListener("contextmenu", (event) => event.preventDefault());
+      canvas.addEventListener("pointerdown", (event) => {
+        canvas.setPointerCapture(event.pointerId);
+        fingers.set(event.pointerId, [event.clientX, event.clientY]);
+      });
+      for (const name of ["pointerup", "pointercancel"]) {
+        canvas.addEventListener(name, (event) => fingers.delete(event.pointerId));
+      }
+      canvas.addEventListener("pointermove", (event) => {
+        const before = fingers.get(event.pointerId);
+        if (!before || !this.sight) return;
+        const now = [event.clientX, event.clientY];
+        const [dx, dy] = [now[0] - before[0], now[1] - before[1]];
+        const other = [...fingers].find(([id]) => id !== event.pointerId);
+        fingers.set(event.pointerId, now);
+        if (other) {
+          const apart = (finger) => Math.hypot(finger[0] - other[1][0], finger[1] - other[1][1]);
+          this.zoom(apart(before) / Math.max(apart(now), 1));
+          this.shift(dx / 2, dy / 2);
+        } else if (event.shiftKey || event.buttons & 6) {
+          this.shift(dx, dy);
+        } else {
+          const full = Math.min(canvas.clientWidth, canvas.clientHeight);
+          this.turn((Math.PI * dx) / full, (Math.PI * dy) / full);
+        }
+      });
+      canvas.addEventListener("wheel", (event) => {
+        event.preventDefault();
+        const lines = event.deltaMode === 1 ? 16 : 1;
+        if (this.sight) this.zoom(Math.exp(event.deltaY * lines * 1e-3));
+      }, { passive: false });
+      canvas.addEventListener("dblclick", () => this.goHome());
+      canvas.addEventListener("keydown", (event) => this.key(event));
+    }
+
+    key(event) {
+      if (!this.sight || event.ctrlKey || event.altKey || event.metaKey) return;
+      const arrows = {
+        ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1],
+      };
+      const arrow = arrows[event.key];
+      if (arrow && event.shiftKey) this.shift(20 * arrow[0], 20 * arrow[1]);
+      else if (arrow) this.turn(STEP * arrow[0], STEP * arrow[1]);
+      else if (event.key === "+" || event.key === "=") this.zoom(1 / 1.1);
+      else if (event.key === "-") this.zoom(1.1);
+      else if (event.key === "Home" || event.key === "0") this.goHome();
+      else return;
+      event.preventDefault();
+    }
+  }
+
+  return MeshView;
+})();
