@@ -27,7 +27,15 @@ app = App(
 )
 
 # By name, so that a command loads its own modules and no other's.
-_COMMANDS = {"bake": "[INPUT...] [OPTIONS]", "methods": "[NAME...]", "info": "INPUT..."}
+_COMMANDS = {
+    "bake": "[INPUT...] [OPTIONS]",
+    "methods": "[NAME...]",
+    "info": "INPUT...",
+    "view": "INPUT [OPTIONS]",
+    "movie": "INPUT [OPTIONS]",
+    "compare": "[INPUT] [OPTIONS]",
+    "volume": "[CT] [OPTIONS]",
+}
 for _name, _words in _COMMANDS.items():
     _usage = f"Usage: meshdepict {_name} {_words}"
     app.command(f"meshdepict.commands.{_name}:{_name}", name=_name, usage=_usage)

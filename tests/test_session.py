@@ -132,3 +132,50 @@ def test_every_option_has_a_control_that_starts_within_its_range(method, session
                 session.set(**{control.name: choice})
         if control.default is not None:
             session.set(**{control.name: control.start})
+
+
+def test_a_light_fixed_to_the_eye_goes_with_it(ball, session):
+    session.fix_light("eye")
+    session.look("back")
+    np.testing.assert_allclose(
+        session.light.direction,
+        bake(ball, "lambert", view="back").view.frame.T @ (-1, 1, 1) / 3**0.5,
+    )
+    np.testing.assert_array_equal(session.colors, bake(ball, view="back", scales=3).colors)
+    session.fix_light("object")
+    before = session.light
+    session.look("top")
+    assert session.light is before
+    with pytest.raises(MeshdepictError, match="not 'ceiling'"):
+        session.fix_light("ceiling")
+
+
+def test_a_dragged_light_shades_anew(session):
+    before = session.colors
+    session.drag_light((0, 0.3))
+    assert not np.array_equal(session.colors, before)
+    session.drag_light((0, -0.3))
+    assert np.abs(session.colors.astype(int) - before).max() <= 1  # but for rounding
+
+
+def test_colours_seen_from_elsewhere_say_so(ball, session):
+    session.colors  # noqa: B018
+    session.look("top")
+    assert session.baked().view is session.view
+    assert session.baked().provenance["view"] == str(session.view)
+
+
+def test_what_was_chosen_can_be_chosen_again(session):
+    session.set(exaggeration=22)
+    look, colors = session.look_now(), session.colors
+    session.set(exaggeration=3)
+    session.use("toon")
+    session.paint("sepia")
+    session.look("back")
+    session.go_back(look)
+    np.testing.assert_array_equal(session.colors, colors)
+    assert session.options == {"exaggeration": 22}
+
+
+def test_colours_at_other_samples_are_those_of_the_whole(session):
+    np.testing.assert_array_equal(session.colors_at(session.space), session.colors)

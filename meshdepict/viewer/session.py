@@ -10,13 +10,16 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from meshdepict import color
-from meshdepict.baking import Baked, as_mesh, bake, find_method
+from meshdepict.baked import Baked
+from meshdepict.baking import as_mesh, bake, find_method
+from meshdepict.errors import MeshdepictError
 from meshdepict.options import check, options_of
 from meshdepict.scales import ScaleSpace, scale_space
 from meshdepict.scene import View, as_lighting, as_view
+from meshdepict.viewer.light_drag import carried, dragged
 
 if TYPE_CHECKING:
     from meshdepict.shading import Declaration
@@ -42,6 +45,8 @@ class Session:
     light : Light, several or an Environment
     view : View
     colormap : str or None
+    light_fixed_to : {"object", "eye"}
+        Whether the light stays where it is when the view changes, or goes with the eye.
 
     Raises
     ------
@@ -80,10 +85,11 @@ class Session:
         self._baked: Baked | None = None
         self.method = method
         self.colormap: str | None = None
+        self.light_fixed_to = "object"
         self.use(method)
         self.set(**options)
         self.paint(colormap)
-        self._first = self.light, self.view, method, dict(self.options), self.colormap
+        self._first = self.look_now()
 
     # --- what can be changed ----------------------------------------------------------------
 
@@ -110,11 +116,35 @@ class Session:
         self.light = as_lighting(light, self.view, up=self.up)
         self._baked = None
 
+    def drag_light(self, drag: ArrayLike) -> None:
+        """Turn the light by a drag to the right and up, in heights of the picture.
+
+        Raises
+        ------
+        MeshdepictError
+            Where the light is a panorama.
+        """
+        self.light = dragged(self.light, self.view, drag)
+        self._baked = None
+
+    def fix_light(self, to: str) -> None:
+        """Fix the light to the "object", or to the "eye" that then carries it along."""
+        if to not in ("object", "eye"):
+            raise MeshdepictError(f"a light is fixed to the 'object' or to the 'eye', not {to!r}")
+        self.light_fixed_to = to
+
     def look(self, view: str | View) -> None:
-        """Look from elsewhere; the light stays where it is in the world."""
-        self.view = as_view(view, self.shape, up=self.up)
+        """Look from elsewhere; the light stays with the object, or goes with the eye."""
+        before, self.view = self.view, as_view(view, self.shape, up=self.up)
+        if self.light_fixed_to == "eye":
+            light, self.light = self.light, carried(self.light, before, self.view)
+            if self.light is not light:
+                self._baked = None
         if self.follows_view:
             self._baked = None
+        if self._baked is not None:  # the same colours, seen from elsewhere
+            self._baked.view = self.view
+            self._baked.provenance["view"] = str(self.view)
 
     def paint(self, colormap: str | None) -> None:
         """Change the colour map of gray results; None is gray."""
@@ -125,11 +155,28 @@ class Session:
 
     def reset(self) -> None:
         """Go back to what the session began with."""
-        self.light, self.view, method, options, colormap = self._first
+        self.light_fixed_to = "object"
         self._options.clear()
+        self.go_back(self._first)
+
+    def look_now(self) -> Any:
+        """Return what is chosen, for `go_back`."""
+        return self.light, self.view, self.method, dict(self.options), self.colormap
+
+    def go_back(self, look: Any) -> None:
+        """Choose again what `look_now` returned."""
+        self.light, self.view, method, options, colormap = look
         self.use(method)
+        self.options.clear()
         self.options.update(options)
         self.paint(colormap)
+
+    def adopt(self, space: ScaleSpace, baked: Baked) -> None:
+        """Take over a scale space of the shape, and its bake, which stays as it is."""
+        self._spaces[len(space.widths) - 1, space.ratio] = space
+        self._baked = Baked(
+            baked.shape, baked.intensity, baked.colors, baked.provenance, baked.view
+        )
 
     # --- what is shown ----------------------------------------------------------------------
 
@@ -170,17 +217,23 @@ class Session:
     def baked(self) -> Baked:
         """Return the bake of what is chosen; made once for each choice."""
         if self._baked is None:
-            found = bake(
-                self.space, self.method, light=self.light, view=self.view, up=self.up,
-                **self.options,
-            )  # fmt: skip
-            if self.colormap is not None and found.intensity.ndim == 1:  # colours stay as they are
-                found.colors = color.encode(
-                    found.intensity, linear=self.declared.linear, colormap=self.colormap
-                )
-                found.provenance["colormap"] = self.colormap
-            self._baked = found
+            self._baked = self._bake(self.space)
         return self._baked
+
+    def colors_at(self, space: ScaleSpace) -> NDArray[np.uint8]:
+        """Return the (k, 3) sRGB colours of other samples of the shape, such as a preview's."""
+        return self._bake(space).colors
+
+    def _bake(self, space: ScaleSpace) -> Baked:
+        found = bake(
+            space, self.method, light=self.light, view=self.view, up=self.up, **self.options
+        )
+        if self.colormap is not None and found.intensity.ndim == 1:  # colours stay as they are
+            found.colors = color.encode(
+                found.intensity, linear=self.declared.linear, colormap=self.colormap
+            )
+            found.provenance["colormap"] = self.colormap
+        return found
 
     def settings(self) -> dict[str, Any]:
         """Return what a recipe of this look holds; see `recipe.save_recipe`."""

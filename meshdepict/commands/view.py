@@ -1,0 +1,117 @@
+"""``meshdepict view``: look at a mesh under a light that moves, in a window or a browser."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any
+
+from cyclopts import Parameter
+
+from meshdepict import threads
+from meshdepict.commands import parameters
+from meshdepict.commands.parameters import FILES
+from meshdepict.console import complain, notes, progress_bar
+from meshdepict.errors import MeshdepictError
+
+__all__ = ["view"]
+
+# What recipes may have and sessions don't.
+_NOT_SHOWN = {"colormap2d": None, "albedo": "none", "refine": None}
+
+
+def view(
+    input_: Annotated[Path | None, Parameter(name="INPUT")] = None,
+    /,
+    *,
+    browser: Annotated[bool, Parameter(group=FILES, show_default=False)] = False,
+    port: Annotated[int, Parameter(group=FILES)] = 0,
+    no_open: Annotated[bool, Parameter(group=FILES, show_default=False)] = False,
+    recipe: Annotated[str | None, Parameter(group=FILES)] = None,
+    frames: Annotated[int | None, Parameter(show=False)] = None,
+    method: parameters.Method = "exaggerated",
+    light: parameters.LightText = "northwest",
+    view: parameters.View = "front",
+    up: parameters.Up = "y",
+    options: parameters.Options = None,
+    colormap: parameters.Colormap = None,
+    scales: parameters.Scales = None,
+    width: parameters.Width = None,
+    ratio: parameters.Ratio = None,
+    facing: parameters.Facing = 1,
+    tolerance: parameters.Tolerance = 1e-4,
+    quiet: parameters.Quiet = False,
+    cores: parameters.Cores = None,
+    given: Annotated[frozenset[str], Parameter(parse=False)] = frozenset(),
+) -> int:
+    """Look at a mesh under a light that moves. Without INPUT: the built-in golf ball.
+
+    Drag turns the object, Ctrl+drag or right drag the light; h shows the keys.
+
+    Parameters
+    ----------
+    input_
+        Mesh file: PLY, OBJ, OFF, STL, GLB, glTF or VTP, gzipped or not.
+    browser
+        Show it in a browser instead of a window.
+    port
+        Of the page; any free one unless given.
+    no_open
+        Say where the page is, and open no browser.
+    recipe
+        Take method, light, view, scales, … from a file; what else is said here comes first.
+    frames
+        Draw so many frames off screen and end.
+    """
+    from meshdepict.batch import _stem
+    from meshdepict.recipe import load_recipe, merge_recipe
+
+    threads.limit(cores)
+    if not browser:
+        for word, so in (("--port", "port" in given), ("--no-open", no_open)):
+            if so:
+                raise MeshdepictError(f"{word} is about a page: give --browser, too")
+    settings: dict[str, Any] = {
+        "method": method, "light": parameters.as_light(light), "view": view, "up": up,
+        "scales": scales, "width": width, "ratio": ratio, "facing": facing, "tolerance": tolerance,
+        "colormap": colormap,
+    }  # fmt: skip
+    if recipe is not None:
+        said = {name: value for name, value in settings.items() if name in given}
+        settings = merge_recipe(load_recipe(recipe), said)
+        for name, usual in _NOT_SHOWN.items():
+            if settings.pop(name, usual) != usual:
+                raise MeshdepictError(f"{recipe}: the viewer has no {name}; bake it instead")
+    settings |= parameters.method_options(settings["method"], options or [])
+    if not browser and frames is None:
+        from meshdepict.viewer.display import check_display
+
+        check_display()
+    name = _stem(input_)
+    with notes(input_, quiet=quiet):
+        session = _session(input_, settings, name, quiet=quiet)
+    if browser:
+        from meshdepict.viewer.browser import serve
+
+        serve(session, port=port, open_browser=not no_open, title=name)
+        return 0
+    from meshdepict.viewer.window import Window
+
+    window = Window(session, name=name, off_screen=frames is not None)
+    if not quiet:
+        complain("h shows the keys, q closes the window")
+    window.run(frames=frames)
+    return 0
+
+
+def _session(source: Path | None, settings: dict[str, Any], name: str, *, quiet: bool) -> Any:
+    """Read and bake, with a progress bar."""
+    from meshdepict import samples
+    from meshdepict.io import read_mesh
+    from meshdepict.viewer.session import Session
+
+    shape = samples.golf_ball() if source is None else read_mesh(source)
+    with progress_bar(name, quiet=quiet) as progress:
+        session = Session(shape, progress=progress, **settings)
+        session.baked()
+    session.progress = None
+    return session

@@ -1,0 +1,50 @@
+"""What people take away from a viewer: a picture, the mesh with its colours, the look as a recipe.
+
+Nothing is ever replaced: a name that is taken gets a number.
+"""
+
+from __future__ import annotations
+
+from itertools import count
+from pathlib import Path
+
+from meshdepict.recipe import save_recipe
+from meshdepict.viewer.picture import save_picture
+from meshdepict.viewer.session import Session
+
+__all__ = ["free_path", "save_look", "save_mesh", "save_snapshot"]
+
+
+def free_path(stem: str, suffix: str, folder: str | Path = ".") -> Path:
+    """Return ``stem + suffix`` in a folder, or the first of ``stem-2``, ``stem-3``, … not there."""
+    path = Path(folder) / f"{stem}{suffix}"
+    numbers = count(2)
+    while path.exists():
+        path = Path(folder) / f"{stem}-{next(numbers)}{suffix}"
+    return path
+
+
+def save_snapshot(
+    session: Session, name: str, size: tuple[int, int], *, folder: str | Path = "."
+) -> Path:
+    """Save the picture as ``<name>-<method>.png`` of a size in pixels; return its path."""
+    path = free_path(f"{name}-{session.method}", ".png", folder)
+    return save_picture(session.baked(), path, size=size)
+
+
+def save_mesh(session: Session, name: str, *, folder: str | Path = ".") -> Path:
+    """Save the mesh with its colours as ``<name>-<method>.ply``; return its path."""
+    return session.baked().save(free_path(f"{name}-{session.method}", ".ply", folder))
+
+
+def save_look(session: Session, name: str, *, folder: str | Path = ".") -> Path:
+    """Save what `bake` has to be told as ``<name>-<method>.toml``; return its path.
+
+    Raises
+    ------
+    MeshdepictError
+        For what no recipe can hold: several lights, a panorama or a material of one's own.
+    """
+    path = free_path(f"{name}-{session.method}", ".toml", folder)
+    save_recipe(path, session.settings())
+    return path

@@ -1,0 +1,92 @@
+"""The keys of the window, said once: what they do, the help, and the hint for any other key."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+__all__ = ["KEYS", "Key", "action_of", "help_text", "hint"]
+
+
+class Key(NamedTuple):
+    """One action of the window and the keys (as VTK names them) that start it."""
+
+    action: str
+    symbols: tuple[str, ...]
+    shown: str
+    words: str
+
+
+# The window turns VTK's and PyVista's own keys off: of theirs, q, e, r, f and v do here what they
+# do there or nearly so; w, s, p, b, c mean something of this program's.
+KEYS = (
+    Key("help", ("h", "H", "question"), "h  ?", "these keys"),
+    Key("next_method", ("m",), "m", "next method"),
+    Key("previous_method", ("M",), "M", "method before"),
+    Key("next_colormap", ("c",), "c", "next colour map"),
+    Key("previous_colormap", ("C",), "C", "colour map before"),
+    Key("next_page", ("Tab",), "Tab", "more options, where there are"),
+    *(
+        Key(f"choice_{i}", (str(i), f"KP_{i}"), str(i), f"next choice of list {i}")
+        for i in range(1, 7)
+    ),
+    Key("light_left", ("Left",), "Left", "turn the light by 5 degrees"),
+    Key("light_right", ("Right",), "Right", "turn the light by 5 degrees"),
+    Key("light_up", ("Up",), "Up", "turn the light by 5 degrees"),
+    Key("light_down", ("Down",), "Down", "turn the light by 5 degrees"),
+    Key("fix_light", ("l", "L"), "l", "light fixed to the eye, or to the object"),
+    Key("wipe", ("w", "W"), "w", "before and after: a line parts them"),
+    Key("wipe_left", ("bracketleft",), "[", "move the line to the left"),
+    Key("wipe_right", ("bracketright",), "]", "move the line to the right"),
+    Key("next_view", ("v",), "v", "next view: front, back, right, ..."),
+    Key("previous_view", ("V",), "V", "view before"),
+    Key("fly", ("f", "F"), "f", "look at the point under the pointer"),
+    Key("projection", ("o", "O"), "o", "parallel projection, or perspective"),
+    Key("bare", ("b", "B"), "b", "the object alone, or all controls"),
+    Key("reset", ("r", "R"), "r", "back to the beginning"),
+    Key("snapshot", ("s", "S"), "s", "save a picture (PNG)"),
+    Key("save_mesh", ("p", "P"), "p", "save the mesh with these colours (PLY)"),
+    Key("save_recipe", ("t", "T"), "t", "save this look as a recipe (TOML)"),
+    Key("close", ("q", "Q", "e", "E", "Escape"), "q  Esc", "close the window"),
+)
+
+POINTER = (
+    ("drag", "turn the object"),
+    ("Ctrl+drag, right drag", "turn the light"),
+    ("Shift+drag, middle drag", "move the object"),
+    ("wheel", "zoom"),
+)
+"""What the mouse does."""
+
+_ACTIONS = {symbol: key.action for key in KEYS for symbol in key.symbols}
+
+# Keys that only change what others mean: pressing them says nothing.
+_SILENT = ("Shift", "Control", "Alt", "Meta", "Super", "Caps_Lock", "Num_Lock", "ISO_", "None")
+
+
+def action_of(symbol: str) -> str | None:
+    """Return what a key (as VTK names it) does; None where it does nothing."""
+    return _ACTIONS.get(symbol)
+
+
+def hint(symbol: str) -> str:
+    """Return what to say on a key that does nothing; nothing for Shift and the like."""
+    if not symbol or symbol.startswith(_SILENT):
+        return ""
+    return f"{symbol} does nothing here: h shows the keys"
+
+
+def help_text() -> tuple[str, str]:
+    """Return two columns of the same number of lines: keys, and what they do."""
+    rows = list(POINTER)
+    lists = [key for key in KEYS if key.action.startswith("choice_")]
+    arrows = [key for key in KEYS if key.action.startswith("light_")]
+    for key in KEYS:
+        if key in lists:
+            if key is lists[0]:
+                rows.append((f"{key.shown} - {lists[-1].shown}", "next choice of that list"))
+        elif key in arrows:
+            if key is arrows[0]:
+                rows.append(("arrows", key.words))
+        else:
+            rows.append((key.shown, key.words))
+    return "\n".join(keys for keys, _ in rows), "\n".join(words for _, words in rows)

@@ -1,0 +1,251 @@
+"""The object in the window: whole or coarse, shaded by the card or painted, and how it was before.
+
+Up to four actors over one session: the one that the card shades (`LiveShading`), the whole mesh
+painted with baked colours where that can't be, a coarse stand-in while a big mesh moves, and the
+object before, for comparison.
+"""
+
+from __future__ import annotations
+
+import time
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from meshdepict.baking import _own_colors, bake
+from meshdepict.errors import MeshdepictError
+from meshdepict.options import options_of
+from meshdepict.viewer.light_drag import lights_of
+from meshdepict.viewer.preview import Proxy
+from meshdepict.viewer.session import Session
+
+__all__ = ["NO_CARD", "LitObject", "PaintedMesh", "colors_before"]
+
+NO_CARD = "no graphics card"
+
+
+def colors_before(session: Session, space: Any = None) -> NDArray[np.uint8]:
+    """Return the shape's own colours, or Lambert's under the (first) light: (n, 3)."""
+    try:
+        return _own_colors(session.shape)
+    except MeshdepictError:
+        lights = lights_of(session.light)
+        light = lights[0] if lights else "northwest"
+        space = session.space if space is None else space
+        return bake(space, "lambert", light=light, view=session.view, up=session.up).colors
+
+
+class PaintedMesh:
+    """Triangles in vertex colours as they are.
+
+    Parameters
+    ----------
+    points : (n, 3) array
+        About the origin, in diagonals of the shape.
+    faces : (m, 3) array of int
+
+    Attributes
+    ----------
+    actor : vtkActor
+    """
+
+    def __init__(self, points: NDArray[Any], faces: NDArray[Any]) -> None:
+        import pyvista as pv
+        from vtkmodules.vtkRenderingCore import vtkActor, vtkPolyDataMapper
+
+        small = np.int32 if len(points) < 2**31 else np.int64
+        self._poly = pv.PolyData.from_regular_faces(points.astype(np.float32), faces.astype(small))
+        mapper = vtkPolyDataMapper()
+        mapper.SetInputData(self._poly)
+        mapper.SetScalarModeToUsePointData()
+        mapper.SetColorModeToDirectScalars()
+        self.actor = vtkActor()
+        self.actor.SetMapper(mapper)
+        self.actor.GetProperty().LightingOff()
+
+    def paint(self, colors: NDArray[np.uint8]) -> None:
+        """Take other colours (n, 3)."""
+        self._poly.point_data.set_array(np.ascontiguousarray(colors), "RGB")
+        self._poly.point_data.active_scalars_name = "RGB"
+        self._poly.Modified()
+
+
+class LitObject:
+    """What a session shows, in a renderer.
+
+    Parameters
+    ----------
+    renderer : vtkRenderer
+    session : Session
+    live : bool
+        Whether the card may shade.
+    planes : {"now": vtkPlane, "before": vtkPlane}
+        What cuts the two while they are compared.
+
+    Attributes
+    ----------
+    why_baked : str
+        Why the card does not shade; empty where it does.
+    """
+
+    def __init__(
+        self, renderer: Any, session: Session, *, live: bool, planes: dict[str, Any]
+    ) -> None:
+        self._renderer = renderer
+        self._session = session
+        self._may_live = live
+        self._live: Any = None
+        self._tried: Any = None  # what `_live` was made, or refused, for
+        self.why_baked = "" if live else NO_CARD
+        self._proxy: Proxy | None = None
+        self._meshes: dict[tuple[str, str], PaintedMesh] = {}
+        self._stale: set[tuple[str, str]] = set()
+        self._planes = planes
+        self.comparing = False
+
+    @property
+    def has_stand_in(self) -> bool:
+        """Whether there is a coarse one to show."""
+        return Proxy.worth(self._session.shape)
+
+    def prepare(self) -> None:
+        """Make the coarse stand-in before it is needed."""
+        if self.has_stand_in and self._proxy is None:
+            self._proxy = Proxy(self._session.shape)
+
+    def touch(self) -> None:
+        """Say that what the session shows is no longer what is drawn."""
+        self._stale |= {(size, when) for size in ("whole", "coarse") for when in ("now", "before")}
+
+    def show(self, *, coarse: bool = False, fresh: bool = True) -> float:
+        """Bring what is shown up to date; return the seconds that shading took.
+
+        Parameters
+        ----------
+        coarse : bool
+            Whether to show a stand-in; small shapes have none.
+        fresh : bool
+            Whether colours have to be today's; else those of before will do.
+
+        Raises
+        ------
+        MeshdepictError
+            Where the method can't shade this.
+        """
+        size = "coarse" if coarse and self.has_stand_in else "whole"
+        began = time.perf_counter()
+        live = self._shade_live(fresh=fresh) if size == "whole" else None
+        shown = [live.actor if live else self._painted(size, "now", fresh=fresh).actor]
+        if self.comparing:
+            shown.append(self._painted(size, "before", fresh=fresh).actor)
+        took = time.perf_counter() - began
+        for actor in self._actors():
+            actor.SetVisibility(actor in shown)
+        return took
+
+    def point_at(self, place: tuple[int, int]) -> NDArray[np.float64] | None:
+        """Return the point (3,) of the scene that is seen at a place in pixels, if any."""
+        from vtkmodules.vtkRenderingCore import vtkCellPicker
+
+        picker = vtkCellPicker()
+        picker.SetTolerance(0)
+        picker.PickFromListOn()
+        for actor in self._actors():
+            if actor.GetVisibility():
+                picker.AddPickList(actor)
+        found = picker.Pick(*place, 0, self._renderer)
+        return np.array(picker.GetPickPosition()) if found else None
+
+    def compare(self, *, on: bool) -> None:
+        """Show the object before, too, each on the positive side of its plane."""
+        self.comparing = on
+        for (_, when), mesh in self._meshes.items():
+            self._clip(mesh.actor, when)
+        if self._live is not None:
+            self._clip(self._live.actor, "now")
+
+    def _clip(self, actor: Any, when: str) -> None:
+        mapper = actor.GetMapper()
+        mapper.RemoveAllClippingPlanes()
+        if self.comparing:
+            mapper.AddClippingPlane(self._planes[when])
+
+    def _actors(self) -> list[Any]:
+        actors = [mesh.actor for mesh in self._meshes.values()]
+        return actors if self._live is None else [*actors, self._live.actor]
+
+    def _painted(self, size: str, when: str, *, fresh: bool) -> PaintedMesh:
+        session, key = self._session, (size, when)
+        new = key not in self._meshes
+        chosen: Any = slice(None)
+        if size == "coarse":
+            self.prepare()
+            assert self._proxy is not None
+            chosen = self._proxy.chosen
+        if new:
+            shape = session.shape
+            faces = shape.faces if self._proxy is None or size == "whole" else self._proxy.faces
+            self._meshes[key] = PaintedMesh(shape.recentred(shape.vertices[chosen]), faces)
+            self._renderer.AddActor(self._meshes[key].actor)
+            self._clip(self._meshes[key].actor, when)
+        if new or (fresh and key in self._stale):
+            self._meshes[key].paint(self._colors(size, when, chosen))
+            self._stale.discard(key)
+        return self._meshes[key]
+
+    def _colors(self, size: str, when: str, chosen: Any) -> NDArray[np.uint8]:
+        session = self._session
+        if size == "whole":
+            return session.colors if when == "now" else colors_before(session)
+        assert self._proxy is not None
+        thinned = self._proxy.space(session.space)
+        if when == "before":
+            found = colors_before(session, thinned)
+            return found if len(found) == len(thinned.points) else found[chosen]
+        try:
+            return session.colors_at(thinned)
+        except MeshdepictError:  # a method that needs every neighbour
+            return session.colors[chosen]
+
+    def _shade_live(self, *, fresh: bool) -> Any:
+        """Return the `LiveShading` of what the session shows, None where that can't be."""
+        if not self._may_live:
+            return None
+        if self._live is not None and not fresh:
+            return self._live
+        from meshdepict.baking import find_method
+        from meshdepict.viewer.live import LiveShading
+
+        session = self._session
+        options = {name: o.default for name, o in options_of(find_method(session.method)).items()}
+        options |= session.options
+        anew = self._live is None or self._tried != session.method
+        try:
+            if anew:
+                self._drop_live()
+                self._tried = session.method
+                self._live = LiveShading(
+                    session.space, session.method, options=options, light=session.light,
+                    view=session.view, colormap=session.colormap,
+                )  # fmt: skip
+                self._live.check()
+                self._renderer.AddActor(self._live.actor)
+                self._clip(self._live.actor, "now")
+            elif ("whole", "now") in self._stale:
+                self._live.set_view(session.view)
+                self._live.set_light(session.light)
+                self._live.set_options(**options)
+                self._live.set_colormap(session.colormap)
+        except MeshdepictError as error:
+            self._drop_live()
+            self.why_baked = str(error)
+            return None
+        self.why_baked = ""
+        self._stale.discard(("whole", "now"))
+        return self._live
+
+    def _drop_live(self) -> None:
+        if self._live is not None:
+            self._renderer.RemoveActor(self._live.actor)
+        self._live = None

@@ -1,0 +1,153 @@
+"""Previews of big shapes: a coarse stand-in while something moves, the whole when it rests.
+
+A `Proxy` joins the vertices of a mesh that share a cell of a grid; its vertices are some of the
+mesh's own, so that their normals and curvature are the mesh's, at every scale.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from meshdepict.scales import ScaleSpace
+
+if TYPE_CHECKING:
+    from meshdepict.curvature import PrincipalCurvatures
+    from meshdepict.mesh import Mesh
+
+__all__ = ["BUDGET", "Pace", "Proxy", "ThinnedSpace"]
+
+BUDGET = 0.05
+"""Seconds that a frame may take while something moves: 20 a second still look like motion."""
+
+_MOST = 20_000  # vertices of a proxy: software OpenGL draws them in about that time
+_FIRST_GRID = 128  # cells across the diagonal
+
+
+class Pace:
+    """Whether whole frames keep up with a moving hand, from how long the last ones took.
+
+    Parameters
+    ----------
+    budget : float
+        Seconds.
+    """
+
+    def __init__(self, budget: float = BUDGET) -> None:
+        self.budget = budget
+        self.shading = 0.0
+        self.drawing = 0.0
+        self.coarse_shading = 0.0
+
+    @property
+    def keeps_up(self) -> bool:
+        """Whether a whole frame with new colours takes no longer than the budget."""
+        return self.shading + self.drawing <= self.budget
+
+    @property
+    def coarse_keeps_up(self) -> bool:
+        """Whether a coarse stand-in can be shaded without the hand's noticing a halt."""
+        return self.coarse_shading <= 3 * self.budget
+
+    @property
+    def draws_in_time(self) -> bool:
+        """Whether a whole frame with old colours takes no longer than the budget."""
+        return self.drawing <= self.budget
+
+
+class Proxy:
+    """A coarse stand-in for a mesh.
+
+    Parameters
+    ----------
+    mesh : Mesh
+    most : int
+        Vertices at most.
+
+    Attributes
+    ----------
+    chosen : (k,) array of int
+        Which of the mesh's vertices it has.
+    faces : (m, 3) array of int
+        Into the chosen ones.
+    """
+
+    def __init__(self, mesh: Mesh, *, most: int = _MOST) -> None:
+        points = mesh.recentred(mesh.vertices)
+        cells = points - points.min(axis=0)
+        cells *= _FIRST_GRID / (float(np.linalg.norm(cells.max(axis=0))) or 1.0)
+        while True:
+            key = np.floor(cells).astype(np.int64) @ np.array([1 << 40, 1 << 20, 1])
+            filled, joined = np.unique(key, return_inverse=True)
+            if len(filled) <= most:
+                break
+            cells *= math.sqrt(most / len(filled)) * 0.95  # cells on a surface grow as a square
+        joined = joined.reshape(-1)
+        chosen = _nearest_to_mean(cells, joined, len(filled))
+        faces = joined[mesh.faces]
+        a, b, c = faces.T
+        faces = faces[(a != b) & (b != c) & (c != a)]
+        self.chosen: NDArray[np.int64] = chosen
+        self.faces: NDArray[np.int64] = np.unique(faces, axis=0)
+        self._spaces: dict[int, tuple[ScaleSpace, ThinnedSpace]] = {}
+
+    def space(self, space: ScaleSpace) -> ThinnedSpace:
+        """Return the samples of a scale space that the proxy has; made once for each."""
+        if id(space) not in self._spaces:
+            self._spaces[id(space)] = space, ThinnedSpace(space, self.chosen)
+        return self._spaces[id(space)][1]
+
+    @staticmethod
+    def worth(shape: Any) -> bool:
+        """Whether a shape is so big that a proxy would be much smaller."""
+        return len(shape.vertices) > 2 * _MOST
+
+
+class ThinnedSpace(ScaleSpace):
+    """Some samples of a scale space, with what they have there: normals, curvature, occlusion.
+
+    Parameters
+    ----------
+    space : ScaleSpace
+    chosen : (k,) array of int
+    """
+
+    def __init__(self, space: ScaleSpace, chosen: NDArray[np.int64]) -> None:
+        super().__init__(
+            space.shape, space.points[chosen], space.widths, space.ratio,
+            np.ascontiguousarray(space._planes[:, :, chosen]),
+            facing=space.facing, tolerance=space.tolerance,
+        )  # fmt: skip
+        self._whole = space
+        self._chosen = chosen
+
+    @property
+    def surface(self) -> Mesh:
+        """The whole surface."""
+        return self._whole.surface
+
+    def occlusion(self, rays: int = 256) -> NDArray[np.float32]:
+        """Return the share of the light that reaches each sample."""
+        return self._whole.occlusion(rays)[self._chosen]
+
+    def _principal(self, scale: int) -> PrincipalCurvatures:
+        k1, k2, d1, d2 = self._whole.curvature(scale)
+        at = self._chosen
+        return type(self._whole.curvature(scale))(k1[at], k2[at], d1[at], d2[at])
+
+    def _turns(self, scale: int) -> NDArray[np.float32]:
+        return self._whole._turns(scale)[self._chosen]
+
+
+def _nearest_to_mean(
+    points: NDArray[np.float64], group: NDArray[np.int64], groups: int
+) -> NDArray[np.int64]:
+    """Return for each group of points the number of the one nearest to the group's mean."""
+    counts = np.bincount(group, minlength=groups)
+    means = np.stack([np.bincount(group, axis, groups) / counts for axis in points.T], axis=1)
+    off = np.linalg.norm(points - means[group], axis=1)
+    ordered = np.lexsort((off, group))
+    return ordered[np.cumsum(counts) - counts]

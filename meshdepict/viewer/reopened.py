@@ -1,0 +1,45 @@
+"""A session that goes on from a finished bake: it begins with its colours, and can change all."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from meshdepict.environment import Environment
+from meshdepict.errors import MeshdepictError
+from meshdepict.viewer.session import Session
+
+if TYPE_CHECKING:
+    from meshdepict.baked import Baked
+
+__all__ = ["session_of"]
+
+
+def session_of(baked: Baked) -> Session:
+    """Return a session that shows a bake, with the method, options and light it was made with.
+
+    Parameters
+    ----------
+    baked : Baked
+        Of a mesh.
+
+    Raises
+    ------
+    MeshdepictError
+        For what a session can't change: two-dimensional colour maps, the object's own colours, a
+        panorama, a refined bake.
+    """
+    space, settings = baked.space, dict(baked.settings)
+    if space is None or baked.shape.kind != "mesh" or settings.pop("albedo", "none") != "none":
+        raise MeshdepictError("only a mesh as it is, without its own colours, can be lit anew")
+    if settings.pop("colormap2d", None) is not None:
+        raise MeshdepictError("a colour map of two lights can't be lit anew")
+    if isinstance(settings["light"], Environment):
+        raise MeshdepictError("a panorama can't be turned by hand")
+    count = len(space.widths) - 1
+    session = Session(
+        baked.shape, view=baked.view, scales=count or None, ratio=space.ratio if count else None,
+        width=float(space.widths[1]) if count else None, facing=space.facing,
+        tolerance=space.tolerance, **settings,
+    )  # fmt: skip
+    session.adopt(space, baked)
+    return session
