@@ -16,7 +16,8 @@ from meshdepict.errors import MeshdepictError, MeshdepictWarning
 
 if TYPE_CHECKING:
     from meshdepict import congruence, curvature, samples, shading
-    from meshdepict.baking import Baked, bake
+    from meshdepict.baked import Baked
+    from meshdepict.baking import bake
     from meshdepict.comparison import compare
     from meshdepict.environment import Environment
     from meshdepict.gbuffer import GBuffer
@@ -28,6 +29,7 @@ if TYPE_CHECKING:
     from meshdepict.scene import Light, View
     from meshdepict.transfer_function import TransferFunction
     from meshdepict.volume import Volume
+    from meshdepict.volume_baking import bake_volume
 
 __all__ = [
     "Baked",
@@ -42,6 +44,7 @@ __all__ = [
     "View",
     "Volume",
     "bake",
+    "bake_volume",
     "compare",
     "congruence",
     "curvature",
@@ -57,7 +60,7 @@ __all__ = [
 ]
 
 _HOME = {
-    "Baked": "baking",
+    "Baked": "baked",
     "Environment": "environment",
     "GBuffer": "gbuffer",
     "Light": "scene",
@@ -67,6 +70,7 @@ _HOME = {
     "View": "scene",
     "Volume": "volume",
     "bake": "baking",
+    "bake_volume": "volume_baking",
     "compare": "comparison",
     "load_recipe": "recipe",
     "read": "io",

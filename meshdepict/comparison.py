@@ -16,9 +16,10 @@ from meshdepict.baking import as_mesh, find_method
 from meshdepict.congruence import Judge, light_directions, picture
 from meshdepict.errors import MeshdepictError
 from meshdepict.gbuffer import GBuffer
+from meshdepict.ladder import Progress
 from meshdepict.lights import Light, as_light
 from meshdepict.options import as_text, check, options_of
-from meshdepict.scales import Progress, scale_space
+from meshdepict.scales import scale_space
 from meshdepict.scene import View
 from meshdepict.shading import declaration
 
@@ -35,6 +36,7 @@ METHODS = (
 
 # As in the comparison of LLA, figs. 13 and 14: all of matt material, so that they can be compared.
 _PUBLISHED: dict[str, dict[str, Any]] = {
+    "exaggerated": {"exaggeration": 40.0},  # within the 25 … 50 of ES
     "light_warping": {"magnitude": 16.62},
     "radiance_scaling": {"material": "lambert", "magnitude": 4.0},
 }
@@ -127,7 +129,8 @@ def compare(
         Of every picture, in pixels; scores depend on it.
     options : mapping, optional
         Options of methods: ``{"exaggerated": {"exaggeration": 30}}``. Unless given, Light Warping
-        and Radiance Scaling have those of Local Light Alignment's comparison, on a matt material.
+        and Radiance Scaling have those of Local Light Alignment's comparison, on a matt material,
+        and Exaggerated Shading that of its own paper's examples.
     per_pixel : bool
         Shade pixels, as the papers do, instead of vertices.
     scales, width, ratio, facing, tolerance

@@ -36,7 +36,8 @@ def test_scores_are_those_of_the_score_function(ball, found):
     frontal = buffer.image(buffer.sample(md.shading.lambert(space, "front")))
     for row, name in enumerate(found.methods):
         for column, light in enumerate(("front", "east")):
-            values = buffer.image(buffer.sample(md.shading.METHODS[name](space, light)))
+            given = {"exaggeration": 40} if name == "exaggerated" else {}
+            values = buffer.image(buffer.sample(md.shading.METHODS[name](space, light, **given)))
             expected = congruence.score(values, buffer.depth, buffer.mask, reference=frontal)
             assert found.scores[row, column] == pytest.approx(expected, abs=1e-6)
     assert found.pictures.shape == (2, 2, 90, 120, 3)
@@ -119,7 +120,7 @@ def test_lambert_drops_where_the_light_grazes_and_exaggerated_does_not(bunny):
     dark, sides = [5, 6, 7, 8, 19, 20], [0, 1, 13, 14]
     drop = found.scores[:, sides].mean(axis=1) - found.scores[:, dark].mean(axis=1)
     assert drop[0] > 1.5 * max(drop[1:])
-    assert found.means[2] > found.means[1] > found.means[0]
+    assert min(found.means[1:]) > found.means[0] + 0.1
 
 
 # --- on paper -------------------------------------------------------------------------------------
