@@ -10,10 +10,10 @@ from cyclopts import Group, Parameter
 from meshdepict.errors import MeshdepictError
 
 __all__ = [
-    "DETAIL", "EVERYWHERE", "FIGURE", "FILES", "LOOK", "MOTION", "Background", "Colormap", "Cores",
-    "Dpi", "Facing", "LightText", "Method", "Options", "PixelsPerUnit", "Quiet", "Ratio", "Refine",
-    "ScaleBar", "Scales", "Size", "Tolerance", "Unit", "Up", "View", "Width", "as_light", "as_size",
-    "method_options",
+    "DETAIL", "EVERYWHERE", "FIGURE", "FILES", "LOOK", "MOTION", "Background", "Colormap",
+    "Cores", "Dpi", "Facing", "LightText", "Method", "Number", "Options", "PixelsPerUnit",
+    "Quiet", "Ratio", "Refine", "ScaleBar", "Scales", "Size", "Tolerance", "Unit", "Up",
+    "View", "Width", "as_light", "as_numbers", "as_size", "method_options", "number",
 ]  # fmt: skip
 
 FILES, MOTION, LOOK, DETAIL, FIGURE, EVERYWHERE = (
@@ -30,7 +30,8 @@ def _whole(_: Any, tokens: Sequence[Any]) -> int:
         raise ValueError(f"{tokens[0].value!r} is not a whole number") from None
 
 
-def _number(_: Any, tokens: Sequence[Any]) -> float:
+def number(_: Any, tokens: Sequence[Any]) -> float:
+    """Convert a number."""
     try:
         return float(tokens[0].value)
     except ValueError:
@@ -112,7 +113,7 @@ Width = Annotated[
 ]
 Ratio = Annotated[
     float | None,
-    Parameter(converter=_number, group=DETAIL, help="From one width to the next."),
+    Parameter(converter=number, group=DETAIL, help="From one width to the next."),
 ]
 Facing = Annotated[
     Literal[0, 1],
@@ -123,12 +124,15 @@ Facing = Annotated[
 ]
 Tolerance = Annotated[
     float,
-    Parameter(converter=_number, group=DETAIL, help="Largest error of a normal, in radians."),
+    Parameter(converter=number, group=DETAIL, help="Largest error of a normal, in radians."),
+]
+Number = Annotated[
+    float | None, Parameter(converter=number, group=FILES, allow_leading_hyphen=True)
 ]
 Refine = Annotated[
     float | None,
     Parameter(
-        converter=_number,
+        converter=number,
         group=DETAIL,
         help="Split triangles inside which colours would be off by more than so many of 255 grey "
         "levels, 2 for instance.",
@@ -145,7 +149,7 @@ Size = Annotated[
 Dpi = Annotated[
     float | None,
     Parameter(
-        converter=_number,
+        converter=number,
         group=FIGURE,
         help="Dots per inch on paper; 300 unless given where the size is on paper.",
     ),
@@ -163,7 +167,7 @@ Unit = Annotated[
 PixelsPerUnit = Annotated[
     float | None,
     Parameter(
-        converter=_number,
+        converter=number,
         group=FIGURE,
         help="Same scale for all objects; the pictures grow as needed unless --size is given.",
     ),

@@ -1,4 +1,4 @@
-"""``meshdepict view``: look at a mesh under a light that moves, in a window or a browser."""
+"""``meshdepict view``: look at a mesh or a volume under a light that moves."""
 
 from __future__ import annotations
 
@@ -43,14 +43,14 @@ def view(
     cores: parameters.Cores = None,
     given: Annotated[frozenset[str], Parameter(parse=False)] = frozenset(),
 ) -> int:
-    """Look at a mesh under a light that moves. Without INPUT: the built-in golf ball.
+    """Look at a mesh or CT under a light that moves. Without INPUT: the built-in golf ball.
 
     Drag turns the object, Ctrl+drag or right drag the light; h shows the keys.
 
     Parameters
     ----------
     input_
-        Mesh file: PLY, OBJ, OFF, STL, GLB, glTF or VTP, gzipped or not.
+        Mesh file: PLY, OBJ, OFF, STL, GLB, glTF or VTP, gzipped or not; or CT: see volume.
     browser
         Show it in a browser instead of a window.
     port
@@ -82,6 +82,10 @@ def view(
             if settings.pop(name, usual) != usual:
                 raise MeshdepictError(f"{recipe}: the viewer has no {name}; bake it instead")
     settings |= parameters.method_options(settings["method"], options or [])
+    from meshdepict.io.volumes import is_volume_path
+
+    if input_ is not None and is_volume_path(input_):
+        return _show_volume(input_, settings, given, browser=browser, frames=frames, quiet=quiet)
     if not browser and frames is None:
         from meshdepict.viewer.display import check_display
 
@@ -100,6 +104,33 @@ def view(
     if not quiet:
         complain("h shows the keys, q closes the window")
     window.run(frames=frames)
+    return 0
+
+
+def _show_volume(
+    source: Path,
+    settings: dict[str, Any],
+    given: frozenset[str],
+    *,
+    browser: bool,
+    frames: int | None,
+    quiet: bool,
+) -> int:
+    """Open the window for volumes."""
+    from meshdepict.viewer.display import check_display
+    from meshdepict.viewer.volume_window import show_volume
+
+    if browser:
+        raise MeshdepictError(f"{source} is a volume: the browser shows meshes alone so far")
+    for name in ("facing", "colormap"):
+        if settings.pop(name) is not None and name in given:
+            raise MeshdepictError(f"--{name} is about meshes, and {source} is a volume")
+    if "up" not in given:
+        settings["up"] = "z"  # of patients; see `bake_volume`
+    if frames is None:
+        check_display()
+    with notes(source, quiet=quiet):
+        show_volume(source, name=source.name.partition(".")[0], frames=frames, **settings)
     return 0
 
 

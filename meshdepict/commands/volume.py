@@ -1,0 +1,247 @@
+"""``meshdepict volume``: shade CT, draw it, and write the shaded voxels or a surface."""
+
+from __future__ import annotations
+
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+from cyclopts import Parameter
+
+from meshdepict import threads
+from meshdepict.commands import parameters
+from meshdepict.commands.parameters import FILES, LOOK
+from meshdepict.console import notes, progress_bar
+from meshdepict.errors import MeshdepictError
+
+__all__ = ["volume"]
+
+if TYPE_CHECKING:
+    from meshdepict.viewer.figure import Figure
+    from meshdepict.volume import Volume
+
+
+def volume(
+    source: Annotated[Path | None, Parameter(name="CT")] = None,
+    *,
+    output: Annotated[Path | None, Parameter(name=["--output", "-o"], group=FILES)] = None,
+    picture: Annotated[Path | None, Parameter(group=FILES)] = None,
+    before: Annotated[Path | None, Parameter(group=FILES)] = None,
+    slices: Annotated[list[str] | None, Parameter(name="--slice", group=FILES)] = None,
+    series: Annotated[str | None, Parameter(group=FILES)] = None,
+    slope: parameters.Number = None,
+    intercept: parameters.Number = None,
+    spacing: Annotated[str | None, Parameter(group=FILES)] = None,
+    clip: Annotated[list[str] | None, Parameter(group=FILES)] = None,
+    surface: Annotated[
+        float | None,
+        Parameter(
+            name="--surface", group=LOOK, allow_leading_hyphen=True, converter=parameters.number
+        ),
+    ] = None,
+    transfer: Annotated[str, Parameter(group=LOOK)] = "bone",
+    force: Annotated[bool, Parameter(group=FILES, show_default=False)] = False,
+    method: parameters.Method = "exaggerated",
+    light: parameters.LightText = "northwest",
+    view: parameters.View = "front",
+    up: parameters.Up = "z",
+    options: parameters.Options = None,
+    scales: parameters.Scales = None,
+    width: parameters.Width = None,
+    ratio: parameters.Ratio = None,
+    tolerance: parameters.Tolerance = 1e-3,
+    size: parameters.Size = None,
+    dpi: parameters.Dpi = None,
+    background: parameters.Background = "white",
+    scale_bar: parameters.ScaleBar = False,
+    unit: parameters.Unit = "mm",
+    pixels_per_unit: parameters.PixelsPerUnit = None,
+    quiet: parameters.Quiet = False,
+    cores: parameters.Cores = None,
+) -> None:
+    """Shade the voxels of a CT that a transfer function shows. Without CT: the built-in phantom.
+
+    Parameters
+    ----------
+    source
+        A folder of DICOM files, or NIfTI, NRRD, MHA, VTI, a TIFF stack, NPY.
+    output
+        Write the shaded voxels as RGBA (.vti, .nrrd, .mha, .nii), or with --surface a mesh.
+    picture
+        Render a PNG; <name>-<method>.png in the current folder where nothing else is asked for.
+    before
+        Also render VTK's own shading, for comparison.
+    slices
+        Also write a slice as AXIS=SHARE, such as z=50%, beside the picture. Repeatable.
+    series
+        Which of several DICOM series in a folder: its number or id.
+    slope
+        HU = slope · number + intercept, for files of raw numbers.
+    intercept
+        See slope.
+    spacing
+        Of voxels in x,y,z, for files that don't say: 0.5,0.5,1.
+    clip
+        Keep a part of the grid, AXIS=FROM:TO, such as y=50%:100%. Repeatable.
+    surface
+        Shade the surface at this value as a mesh, instead of voxels.
+    transfer
+        What is shown, and its colours: bone, skin, muscle, lung, micro-ct, or a .toml file.
+    force
+        Replace existing files that meshdepict didn't write.
+    """
+    from meshdepict.viewer.figure import Figure
+
+    threads.limit(cores)
+    start = time.perf_counter()
+    name = _name(source)
+    figure = Figure(
+        size=size, dpi=dpi, background=background, scale_bar=scale_bar, unit=unit,
+        pixels_per_unit=pixels_per_unit,
+    )  # fmt: skip
+    asked: dict[str, Any] = {
+        "method": method, "light": parameters.as_light(light), "view": view, "up": up,
+        "scales": scales, "width": width, "ratio": ratio, "tolerance": tolerance,
+        **parameters.method_options(method, options or []),
+    }  # fmt: skip
+    box = dict(_span(text) for text in clip or [])
+    if output is None and picture is None and before is None:
+        picture = Path(f"{name}-{method}.png")
+    beside = picture or before or Path(f"{name}-{method}.png")
+    cuts = {
+        beside.with_name(f"{beside.stem}-{axis}{share:.0%}.png".replace("%", "")): (axis, share)
+        for axis, share in map(_place, slices or [])
+    }
+    if surface is not None and (before or cuts):
+        raise MeshdepictError("--before and --slice show voxels, --surface a mesh: leave one out")
+    _check_targets(output, (picture, before, *cuts), mesh=surface is not None, force=force)
+    with notes(source, quiet=quiet), progress_bar(name, quiet=quiet) as progress:
+        grid = _read(source, series, slope, intercept, spacing).cropped(**box)
+        if surface is not None:
+            about = _shade_surface(grid, surface, asked, progress, output, picture, figure)
+        else:
+            asked["transfer"] = transfer
+            about = _shade_voxels(grid, asked, progress, output, picture, before, cuts, figure)
+    written = ", ".join(str(path) for path in filter(None, (output, picture, before, *cuts)))
+    seconds = time.perf_counter() - start
+    print(f"{written}: {method}, light {light}, {about}, {seconds:.1f} s")  # noqa: T201
+
+
+def _shade_surface(
+    grid: Volume,
+    value: float,
+    asked: dict[str, Any],
+    progress: Any,
+    output: Path | None,
+    picture: Path | None,
+    figure: Figure,
+) -> str:
+    """Bake the isosurface, write what is asked for and say what it was."""
+    from meshdepict.baking import bake
+    from meshdepict.isosurface import isosurface
+    from meshdepict.viewer.picture import save_picture
+
+    done = bake(isosurface(grid, value), progress=progress, **asked)
+    if output is not None:
+        done.save(output)
+    if picture is not None:
+        save_picture(done, picture, figure)
+    return f"{len(done.shape.faces):,} triangles at {value:g} {grid.unit}"
+
+
+def _shade_voxels(
+    grid: Volume,
+    asked: dict[str, Any],
+    progress: Any,
+    output: Path | None,
+    picture: Path | None,
+    before: Path | None,
+    cuts: dict[Path, tuple[str, float]],
+    figure: Figure,
+) -> str:
+    """Bake the voxels, write what is asked for and say how many they were."""
+    from meshdepict.viewer.picture import write_picture
+    from meshdepict.viewer.slices import draw_slice
+    from meshdepict.viewer.volume_picture import save_volume_picture
+    from meshdepict.volume_baking import bake_volume
+
+    baked = bake_volume(grid, progress=progress, **asked)
+    if output is not None:
+        baked.save(output)
+    if picture is not None:
+        save_volume_picture(baked, picture, figure)
+    if before is not None:
+        save_volume_picture(baked, before, figure, plain=True)
+    for path, (axis, share) in cuts.items():
+        write_picture(draw_slice(baked, axis, share), path, baked.provenance)
+    return f"{baked.shaded_share:.1%} of {grid.n_samples:,} voxels shaded"
+
+
+def _check_targets(
+    output: Path | None, pictures: tuple[Path | None, ...], *, mesh: bool, force: bool
+) -> None:
+    """Refuse what can't be written, before anything is read."""
+    from meshdepict.io.source import WRITABLE, suffix_of
+    from meshdepict.io.volumes import WRITABLE_VOLUMES
+    from meshdepict.targets import check_target
+    from meshdepict.viewer.picture import check_picture
+
+    if output is not None:
+        wanted = tuple(WRITABLE if mesh else WRITABLE_VOLUMES)
+        if not (suffix_of(output) in wanted or output.name.lower().endswith(wanted)):
+            raise MeshdepictError(f"-o {output}: end the name with {', '.join(wanted)}")
+        check_target(output, force=force)
+    for path in filter(None, pictures):
+        check_picture(path)
+        check_target(path, force=force)
+
+
+def _read(
+    source: Path | None,
+    series: str | None,
+    slope: float | None,
+    intercept: float | None,
+    spacing: str | None,
+) -> Volume:
+    from meshdepict.io.volumes import read_volume
+    from meshdepict.samples import ct_phantom
+
+    if source is None:
+        return ct_phantom((128, 128, 128))
+    number = int(series) if series is not None and series.isdecimal() else series
+    lengths = None
+    if spacing is not None:
+        lengths = parameters.as_numbers(spacing, "--spacing", 3)
+    return read_volume(source, series=number, slope=slope, intercept=intercept, spacing=lengths)
+
+
+def _name(source: Path | None) -> str:
+    if source is None:
+        return "ct-phantom"
+    return source.resolve().name.partition(".")[0] or "ct"
+
+
+def _share(text: str, whole: str) -> float:
+    try:
+        share = float(text.removesuffix("%")) / (100 if text.endswith("%") else 1)
+    except ValueError:
+        share = -1.0
+    if not 0 <= share <= 1:
+        raise MeshdepictError(f"{whole}: {text!r} is not a share of the axis, such as 40% or 0.4")
+    return share
+
+
+def _place(text: str) -> tuple[str, float]:
+    axis, equals, share = text.partition("=")
+    if not equals or axis not in ("x", "y", "z"):
+        raise MeshdepictError(f"--slice wants AXIS=SHARE such as z=50%, not {text!r}")
+    return axis, _share(share, f"--slice {text}")
+
+
+def _span(text: str) -> tuple[str, tuple[float, float]]:
+    axis, equals, span = text.partition("=")
+    first, colon, last = span.partition(":")
+    if not equals or not colon or axis not in ("x", "y", "z"):
+        raise MeshdepictError(f"--clip wants AXIS=FROM:TO such as y=50%:100%, not {text!r}")
+    whole = f"--clip {text}"
+    return axis, (_share(first or "0", whole), _share(last or "1", whole))

@@ -1,0 +1,300 @@
+"""`LiveVolume`: a method on the voxels of a volume, on the graphics card, within VTK's ray caster.
+
+Beside its CT number every voxel has the number of its sample, and a table on the card the sample's
+normals at every scale, packed as for meshes (`octahedral`): what a voxel needs, for those alone
+that are shown, and as many scales as there are. Packed normals can't be interpolated, and normals
+of voxels interpolated are not what a bake has; so where a ray meets matter, the eight voxels around
+are shaded, and their colours are interpolated, as the card does with baked ones.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from meshdepict.color import quantise
+from meshdepict.errors import MeshdepictError
+from meshdepict.grid_scales import GridSpace
+from meshdepict.options import check, nearest, options_of
+from meshdepict.scene import View, as_view
+from meshdepict.shading import declaration
+from meshdepict.viewer.live import encoding, octahedral
+from meshdepict.viewer.live.live_shading import (
+    _METHODS,
+    _eye_uniforms,
+    _light_uniforms,
+    _lights,
+)
+from meshdepict.viewer.live.shader import SURROUNDINGS, caught_errors, set_uniforms
+from meshdepict.viewer.volume_rays import march, volume_actor
+from meshdepict.viewer.volume_scene import (
+    levels_of,
+    sample_box,
+    transfer_classes,
+    transfer_window,
+)
+
+__all__ = ["LiveVolume"]
+
+_MOST = 1 << 24  # whole numbers that float32 holds
+_FLAT = -1.0  # the number of voxels without a normal, whose light is the middle of all methods
+
+_EIGHT = """
+float level_of(vec4 texel) {
+  return texel.r;
+}
+
+vec3 shaded(ivec3 at, float number) {
+  if (number < 0.0) return vec3(0.5);
+  vertexMC = grid[0] * vec4(vec3(at), 1.0);
+  int row = MORE + ROWS * (int(number) - 1);
+  FETCH
+  unpack();
+  return encoded(shade());
+}
+
+vec4 light_at(vec4 texel, vec3 place) {
+  ivec3 size = textureSize(in_volume[0], 0);
+  vec3 cell = place * vec3(size) - 0.5;
+  vec3 share = cell - floor(cell);
+  vec4 sum = vec4(0.0);
+  for (int corner = 0; corner < 8; corner++) {
+    ivec3 side = ivec3(corner & 1, (corner >> 1) & 1, corner >> 2);
+    ivec3 at = clamp(ivec3(floor(cell)) + side, ivec3(0), size - 1);
+    vec3 near = mix(1.0 - share, share, vec3(side));
+    float weight = near.x * near.y * near.z;
+    float number = texelFetch(in_volume[0], at, 0).g;
+    if (weight > 0.0 && number != 0.0) sum += weight * vec4(shaded(at, number), 1.0);
+  }
+  return sum.a > 0.0 ? vec4(sum.rgb / sum.a, 1.0) : vec4(0.0);
+}
+"""
+
+
+class LiveVolume:
+    """A volume whose shading the graphics card computes anew in every frame.
+
+    It shows what ``bake_volume(space, method, light=light, view=view, **options)`` would; what can
+    be live, and how closely it agrees, is as for `LiveShading`. A new light or option sets
+    uniforms. The voxels are passed over once, and again for another `curvature` or `scale`, and for
+    another view where curvature is the view's.
+
+    Parameters
+    ----------
+    space : GridSpace
+        With a transfer function.
+    method : str
+    options : mapping, optional
+        The method's own.
+    light : light, or several
+        As in `bake_volume`.
+    view : View or str
+
+    Attributes
+    ----------
+    actor : vtkVolume
+        For ``plotter.renderer.AddVolume``, in the volume's diagonals about the origin.
+
+    Raises
+    ------
+    MeshdepictError
+        For what can't be live, and wrong options; nothing changes then.
+    """
+
+    def __init__(
+        self,
+        space: GridSpace,
+        method: str,
+        *,
+        options: Mapping[str, Any] | None = None,
+        light: Any = "northwest",
+        view: View | str,
+    ) -> None:
+        if not isinstance(method, str) or method not in _METHODS:
+            raise MeshdepictError(
+                f"{method!r} can't be shown live{nearest(str(method), _METHODS)} (these can: "
+                f"{', '.join(_METHODS)}); bake it instead"
+            )
+        _check_space(space)
+        self._method, self._space = _METHODS[method], space
+        self._options = {
+            name: option.default for name, option in options_of(self._method.function).items()
+        }
+        self._light, self._view = light, as_view(view, space.shape)
+        self._key: tuple[Any, ...] | None = None
+        self._defines: dict[str, int] | None = None
+        self._attributes: Mapping[str, NDArray[np.float32]] = {}
+        self._sets = 0
+        self._values, corner = _numbered(space)
+        self.actor = volume_actor(self._values, space.shape, corner)
+        self._show(options=dict(options or {}))
+
+    @property
+    def method(self) -> str:
+        """Name of the method."""
+        return self._method.name
+
+    @property
+    def options(self) -> dict[str, Any]:
+        """All options and their values."""
+        return dict(self._options)
+
+    def set_light(self, light: Any) -> None:
+        """Light it differently: uniforms only."""
+        self._show(light=light)
+
+    def set_options(self, **options: Any) -> None:
+        """Change some options; the others stay."""
+        self._show(options=options)
+
+    def set_view(self, view: View | str) -> None:
+        """Move the eye that highlights, curvature and named lights refer to."""
+        self._show(view=as_view(view, self._space.shape))
+
+    def check(self, plotter: Any = None) -> None:
+        """Render a frame and raise if the card doesn't do what it should.
+
+        Parameters
+        ----------
+        plotter : pyvista.Plotter, optional
+            Whose scene has the actor; else a few pixels are rendered off screen.
+
+        Raises
+        ------
+        MeshdepictError
+            With the driver's words where the shader did not compile.
+        """
+        import pyvista as pv
+
+        with caught_errors(f"{self.method} shading"):
+            if plotter is not None:
+                plotter.render_window.Render()
+                return
+            window = pv.Plotter(off_screen=True, window_size=[16, 16])
+            try:
+                window.renderer.AddVolume(self.actor)
+                window.show(auto_close=False)
+            finally:
+                window.close()
+
+    def _show(self, **changes: Any) -> None:
+        """Check changes to light, options and view together, then make them."""
+        method, space = self._method, self._space
+        view: View = changes.get("view", self._view)
+        light = changes.get("light", self._light)
+        given = check(method.function, changes.get("options", {}), method.name)
+        options = self._options | given
+        for name, values in method.only.items():
+            if options[name] not in values:
+                raise MeshdepictError(
+                    f"{method.name} can't be live with {name}={options[name]!r}, only with "
+                    f"{values[0]!r}; bake it instead"
+                )
+        uniforms = {
+            **method.uniforms(space, options),
+            **_light_uniforms(_lights(method, light, view, options)),
+            **_eye_uniforms(view, space),
+            "exposure": options["exposure"],
+            "grid": _grid_matrix(self.actor),
+        }
+        key = method.key(view, options)
+        anew = key != self._key
+        if anew:
+            self._sets, self._attributes = method.attributes(space, view, options)
+        defines = {"SETS": self._sets, **method.defines(options)}
+        defines |= {"LINEAR": 1} if declaration(method.function).linear else {}
+        if anew or defines != self._defines:
+            self._march(defines)
+        set_uniforms(_fragments(self.actor), uniforms)
+        self._view, self._light = view, light
+        self._options, self._key, self._defines = options, key, defines
+
+    def _march(self, defines: Mapping[str, int]) -> None:
+        """Hand normals and shader to the card."""
+        space, rows = self._space, list(self._attributes.values())
+        transfer = space.transfer
+        assert transfer is not None
+        more = np.zeros((len(space.points), len(rows), 4), np.float32)
+        for k, row in enumerate(rows):
+            more[:, k, : row.shape[1]] = row
+        march(
+            self.actor, space.shape, self._values[..., 0],
+            transfer_classes(transfer, transfer_window(transfer, space.shape)),
+            self._glsl(defines), more.reshape(-1, 4),
+        )  # fmt: skip
+
+    def _glsl(self, defines: Mapping[str, int]) -> str:
+        unpacking = octahedral.unpacking(self._sets, bits=self._method.bits)
+        declared = "vec4 vertexMC;\n" + unpacking.replace("in vec4", "vec4")
+        fetch = []
+        for row, (name, values) in enumerate(self._attributes.items()):
+            size = values.shape[1]
+            if not name.startswith("normals"):
+                declared += f"vec{size} {name};\n"
+            fetch.append(f"{name} = table_at(row + {row}).{'xyzw'[:size]};")
+        known = {**defines, "ROWS": len(fetch)}
+        return "".join(
+            (
+                *(f"#define {name} {value}\n" for name, value in known.items()),
+                declared,
+                SURROUNDINGS,
+                self._method.glsl,
+                encoding.GLSL,
+                _EIGHT.replace("FETCH", "\n  ".join(fetch)),
+            )
+        )
+
+
+def _check_space(space: Any) -> None:
+    if not isinstance(space, GridSpace):
+        raise MeshdepictError(
+            "live shading of volumes needs the scale space of a volume's voxels; bake other shapes "
+            "instead"
+        )
+    if space.transfer is None or space.transfer.gradient_opacity is not None:
+        raise MeshdepictError(
+            "live shading of volumes needs a transfer function of the CT number alone; bake the "
+            "volume instead"
+        )
+    if len(space.points) > _MOST:
+        raise MeshdepictError(
+            f"live shading takes {_MOST:,} voxels, and {len(space.points):,} are shown; bake the "
+            "volume instead"
+        )
+
+
+def _numbered(space: GridSpace) -> tuple[NDArray[np.float32], tuple[int, int, int]]:
+    """Return levels and numbers of samples (from 1 on), (nz, ny, nx, 2), and their corner."""
+    box = sample_box(space)
+    low = (box[0].start, box[1].start, box[2].start)
+    size = (box[0].stop - low[0], box[1].stop - low[1], box[2].stop - low[2])
+    values = np.zeros((*size, 2), np.float32)
+    assert space.transfer is not None
+    window = transfer_window(space.transfer, space.shape)
+    # The 256 levels of a bake's texture, so that the surface is where a bake has it.
+    values[..., 0] = quantise(levels_of(space.shape.values[box], window)) / np.float32(255)
+    numbers = values.reshape(-1, 2)[:, 1]
+    numbers[space._samples.flat(size, low)] = np.arange(1, len(space.points) + 1)
+    if len(space.flat):
+        numbers[space.flat.flat(size, low)] = _FLAT
+    return values, (low[2], low[1], low[0])
+
+
+def _grid_matrix(actor: Any) -> NDArray[np.float64]:
+    """Return the matrix (1, 4, 4) from voxels to the scene, by columns as GLSL has them."""
+    image = actor.GetMapper().GetInput()
+    matrix = image.GetIndexToPhysicalMatrix()
+    found = [[matrix.GetElement(row, column) for row in range(4)] for column in range(4)]
+    return np.array([found])
+
+
+def _fragments(actor: Any) -> Any:
+    """Return an actor whose uniforms of vertices are those of its fragments: volumes have these."""
+    shader = SimpleNamespace(
+        GetVertexCustomUniforms=actor.GetShaderProperty().GetFragmentCustomUniforms
+    )
+    return SimpleNamespace(GetShaderProperty=lambda: shader)

@@ -1,0 +1,313 @@
+"""The window on a volume: the light moves with a drag, everything else is on keys (`volume_keys`).
+
+While anything moves, rays go through a few pixels only, so that the hand is followed; when it
+rests, through all of them.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from pathlib import Path
+from typing import Any
+
+from meshdepict.errors import MeshdepictError
+from meshdepict.scene import View
+from meshdepict.viewer.camera import camera_view, same_sight
+from meshdepict.viewer.canvas import only_errors, place
+from meshdepict.viewer.clipping_box import ClippingBox
+from meshdepict.viewer.display import check_display, check_opengl
+from meshdepict.viewer.figure import Figure
+from meshdepict.viewer.framing import frame
+from meshdepict.viewer.labels import label
+from meshdepict.viewer.light_gizmo import LightGizmo
+from meshdepict.viewer.lit_object import NO_CARD
+from meshdepict.viewer.lit_volume import LitVolume
+from meshdepict.viewer.status import light_line
+from meshdepict.viewer.volume_actions import VolumeActions
+from meshdepict.viewer.volume_keys import help_text
+from meshdepict.viewer.volume_session import VolumeSession
+from meshdepict.viewer.window_events import bind
+
+__all__ = ["VolumeWindow", "show_volume"]
+
+_REST = 0.15  # seconds without a move, after which the whole picture is due
+_BUDGET = 0.08  # seconds that a frame may take while something moves
+_COARSEST = 6.0  # pixels between rays: more and nothing can be made out
+_TIMER = 50  # milliseconds
+_SOFTWARE = ("llvmpipe", "softpipe", "swrast", "swiftshader", "software")
+
+
+def show_volume(
+    volume: Any,
+    method: str = "exaggerated",
+    *,
+    name: str = "volume",
+    size: tuple[int, int] = (900, 800),
+    frames: int | None = None,
+    **settings: Any,
+) -> VolumeWindow:
+    """Open a window on a volume, and return it once it is closed.
+
+    Parameters
+    ----------
+    volume : path, Volume, pyvista.ImageData or BakedVolume
+    method : str
+    name : str
+        What saved files are called.
+    size : (int, int)
+        Of the window in pixels.
+    frames : int, optional
+        Draw so many off screen, and end.
+    **settings
+        As for `VolumeSession`: transfer, light, view, up, scales, …, and the method's options.
+
+    Raises
+    ------
+    MeshdepictError
+        As `bake_volume`, and where there is no display.
+    """
+    if frames is None:
+        check_display()
+    session = VolumeSession(volume, method, **settings)
+    window = VolumeWindow(session, name=name, size=size, off_screen=frames is not None)
+    window.run(frames=frames)
+    return window
+
+
+class VolumeWindow:
+    """A PyVista window over a session of a volume.
+
+    Parameters
+    ----------
+    session : VolumeSession
+    name : str
+        What saved files are called.
+    folder : path
+        Where they go.
+    size : (int, int)
+        In pixels.
+    live : bool, optional
+        Whether the graphics card may shade; unless given, where there is a real one.
+    off_screen : bool
+
+    Attributes
+    ----------
+    plotter : pyvista.Plotter
+    lit : LitVolume
+    box : ClippingBox
+    helping : bool
+    actions : VolumeActions
+        What keys do.
+    said : str
+        The last message.
+    fault : BaseException or None
+        What ended the window, to be raised when it is gone.
+    """
+
+    def __init__(
+        self,
+        session: VolumeSession,
+        *,
+        name: str = "volume",
+        folder: str | Path = ".",
+        size: tuple[int, int] = (900, 800),
+        live: bool | None = None,
+        off_screen: bool = False,
+    ) -> None:
+        import pyvista as pv
+
+        session.baked()  # what can't be shaded is refused before a window opens
+        self.session, self.name, self.folder = session, name, folder
+        self.said = ""
+        self.fault: BaseException | None = None
+        self.helping = False
+        self.actions = VolumeActions(self)
+        self._held: tuple[int, int] | None = None
+        self._due: float | None = None
+        self._took = _BUDGET  # seconds of the last whole frame
+        self._shown = session.look_now()
+        with only_errors():
+            self.plotter = pv.Plotter(
+                window_size=list(size), off_screen=off_screen, notebook=False, title="meshdepict"
+            )
+            check_opengl(self.plotter)
+            self.plotter.set_background("white")
+            self.plotter.disable_anti_aliasing()  # of edges of triangles, which are but the arrow's
+            self.plotter.render_window.SetMultiSamples(0)
+            self.plotter.iren.initialize()
+            self._gizmo = self._add_gizmo()
+            self._message = label(self.plotter.renderer, "", (0.015, 0.965), size=14)
+            self._lines = label(self.plotter.renderer, "", (0.015, 0.015), size=11)
+            self._help = self._add_help()
+            if live is None:
+                window = self.plotter.render_window
+                window.Render()
+                live = not any(s in window.ReportCapabilities().lower() for s in _SOFTWARE)
+        self.camera = self.plotter.camera
+        self.lit = LitVolume(self.plotter, session, live=live)
+        self.box = ClippingBox(session.shape)
+        self._seen = session.view
+        self.go(session.view)
+        bind(self)
+        self.settle()
+
+    # --- drawing ----------------------------------------------------------------------------
+
+    def draw(self, *, moving: bool = False) -> None:
+        """Draw a frame; what can't be shaded is said, and the session goes back."""
+        session = self.session
+        try:
+            self.lit.show()
+        except MeshdepictError as error:
+            self.said = str(error)
+            session.go_back(self._shown)
+            self.lit.show()
+        self._shown = session.look_now()
+        pixels = math.sqrt(self._took / _BUDGET) if moving else 1.0
+        self.lit.coarsen(min(max(pixels, 1.0), _COARSEST))
+        self._gizmo.update(session.light, self._seen)
+        self._message.SetInput(self.said)
+        self._lines.SetInput(self._status())
+        for column in self._help:
+            column.SetVisibility(self.helping)
+        began = time.perf_counter()
+        self.plotter.render_window.Render()
+        if not moving:
+            self._took = time.perf_counter() - began
+
+    def settle(self) -> None:
+        """Take over where the camera is, and draw the whole picture."""
+        self._due = None
+        self.look()
+        self.draw()
+
+    def tick(self) -> None:
+        """Draw the whole picture when it is due; a timer's."""
+        if self._due is not None and self._held is None and time.perf_counter() >= self._due:
+            self.settle()
+
+    def say(self, words: str) -> None:
+        """Show a message, until the next one."""
+        self.said = words
+        self.draw()
+
+    def look(self) -> None:
+        """Tell the session what the camera sees, if that is another view."""
+        session = self.session
+        now = camera_view(self.camera, session.shape, height_px=session.view.height_px)
+        if not same_sight(now, self._seen, session.shape):
+            self._seen = now
+            session.look(now)
+
+    @property
+    def towards_eye(self) -> Any:
+        """Unit vector from the volume to the eye."""
+        return self._seen.towards_eye
+
+    def go(self, view: View) -> None:
+        """Put the camera where a view is; a named one is fitted to the window."""
+        size = tuple(self.plotter.render_window.GetSize())
+        self._seen = frame(view, self.session.shape, Figure(size=size)).view
+        place(self.camera, self._seen, self.session.shape)
+        self.plotter.renderer.ResetCameraClippingRange()
+
+    # --- the pointer, as `bind` leads it here -----------------------------------------------
+
+    def grip(self, at: tuple[int, int]) -> None:
+        """Say that a plain drag takes hold of nothing but the camera."""
+
+    def take(self, what: str, at: tuple[int, int]) -> None:
+        """Begin to drag the light, from a place in pixels."""
+        self._held = at
+
+    def drag(self, at: tuple[int, int]) -> bool:
+        """Move the light if it is held; return whether it is."""
+        if self._held is None:
+            return False
+        height = self.plotter.render_window.GetSize()[1]
+        before, self._held = self._held, at
+        self.turn_light((at[0] - before[0]) / height, (at[1] - before[1]) / height)
+        return True
+
+    def let_go(self) -> bool:
+        """End a drag; return whether there was one."""
+        held, self._held = self._held, None
+        return held is not None
+
+    def turn_light(self, right: float, up: float) -> None:
+        """Turn the light by a drag in heights of the picture."""
+        self.session.drag_light((right, up))
+        self.draw(moving=True)
+        self.soon()
+
+    def camera_moved(self) -> None:
+        """Follow the camera on its way."""
+        if self.session.light_fixed_to == "eye":
+            self.look()
+        else:
+            self._seen = camera_view(self.camera, self.session.shape)
+        self.draw(moving=True)
+        self.soon()
+
+    def soon(self) -> None:
+        """Have the whole picture drawn once the hand rests."""
+        self._due = time.perf_counter() + _REST
+
+    # --- its life ---------------------------------------------------------------------------
+
+    def run(self, *, frames: int | None = None) -> None:
+        """Stay open until it is closed; off screen, for a number of frames.
+
+        Raises
+        ------
+        MeshdepictError
+            Where there is no display.
+        """
+        try:
+            for _ in range(frames or 0):
+                self.settle()
+            if frames is None:
+                check_display(self.plotter)
+                self.plotter.iren.interactor.CreateRepeatingTimer(_TIMER)
+                self.plotter.iren.start()
+        finally:
+            self.plotter.close()
+        if self.fault is not None:
+            raise self.fault
+
+    def close(self) -> None:
+        """Close the window."""
+        self._due = None
+        self.plotter.iren.interactor.TerminateApp()
+
+    # --- what stands round the volume ---------------------------------------------------------
+
+    def _add_gizmo(self) -> LightGizmo:
+        window = self.plotter.render_window
+        gizmo = LightGizmo((0.84, 0.01, 0.99, 0.17))
+        window.SetNumberOfLayers(max(2, window.GetNumberOfLayers()))
+        gizmo.renderer.SetLayer(window.GetNumberOfLayers() - 1)
+        window.AddRenderer(gizmo.renderer)
+        return gizmo
+
+    def _add_help(self) -> list[Any]:
+        columns = [
+            label(self.plotter.renderer, text, (x, 0.5), size=14)
+            for text, x in zip(help_text(), (0.06, 0.34), strict=True)
+        ]
+        for column in columns:
+            letters = column.GetTextProperty()
+            letters.SetVerticalJustificationToCentered()
+            letters.SetLineSpacing(1.15)
+            letters.SetBackgroundColor(1, 1, 1)
+            letters.SetBackgroundOpacity(0.9)
+        return columns
+
+    def _status(self) -> str:
+        session = self.session
+        where = "VTK's own shading" if self.lit.plain else session.method.replace("_", " ")
+        by = "processor" if self.lit.why_baked else "graphics card"
+        reason = f": {self.lit.why_baked:.100}" if self.lit.why_baked not in ("", NO_CARD) else ""
+        first = where if self.lit.plain else f"{where}, by the {by}{reason}"
+        return f"{first}\n{session.transfer.name}\n{light_line(session)}"

@@ -1,0 +1,54 @@
+"""Isosurfaces: in the world, of the right size and facing outwards, whatever the grid's axes."""
+
+import numpy as np
+import pytest
+from conftest import rotation
+
+import meshdepict as md
+from meshdepict.errors import MeshdepictError
+from meshdepict.isosurface import isosurface
+from meshdepict.volume import Volume
+
+RADIUS = 7.0
+CENTRE = np.array((300.0, -20.0, 7.0))
+
+
+def ball(direction, spacing=(1.0, 0.8, 1.3)):
+    """A ball whose values fall by one per unit of length; at its radius they are 0."""
+    count = np.ceil(2 * (RADIUS + 3) / np.array(spacing)).astype(int)
+    z, y, x = (np.arange(n) * s for n, s in zip(count[::-1], spacing[::-1], strict=True))
+    middle = (count - 1) * np.array(spacing) / 2
+    distance = np.sqrt(
+        (z[:, None, None] - middle[2]) ** 2 + (y[:, None] - middle[1]) ** 2 + (x - middle[0]) ** 2
+    )
+    origin = CENTRE - direction @ middle
+    values = (RADIUS - distance).astype(np.float32)
+    return Volume(values, spacing=spacing, origin=origin, direction=direction)
+
+
+@pytest.mark.parametrize("mirror", [1, -1])
+@pytest.mark.parametrize("value", [0.0, 2.0])
+def test_a_ball_is_a_sphere_in_the_world(mirror, value, rng):
+    direction = rotation(rng) * (1, mirror, 1)
+    mesh = isosurface(ball(direction), value)
+    away = mesh.vertices - CENTRE
+    # Linear interpolation of a distance over a step of about one at a radius of five: 1/8/5.
+    np.testing.assert_allclose(np.linalg.norm(away, axis=1), RADIUS - value, atol=0.05)
+    a, b, c = mesh.vertices[mesh.faces].swapaxes(0, 1)
+    normal = np.cross(b - a, c - a)
+    length = np.linalg.norm(normal, axis=1)
+    outwards = np.einsum("ni,ni->n", normal, (a + b + c) / 3 - CENTRE)
+    assert (outwards[length > 1e-6] > 0).all()
+
+
+def test_the_surface_goes_through_the_mesh_path():
+    mesh = isosurface(md.samples.ct_phantom((48, 48, 48)), 200)
+    baked = md.bake(mesh, scales=3)
+    assert len(baked.colors) == len(mesh.vertices)
+    assert baked.colors.std() > 5
+
+
+@pytest.mark.parametrize("value", [-1e6, 1e6, np.nan, np.inf, True])
+def test_a_value_that_nothing_has_is_refused(value):
+    with pytest.raises(MeshdepictError, match="the volume's values are"):
+        isosurface(ball(np.eye(3)), value)
