@@ -21,7 +21,7 @@ from meshdepict.baking import bake
 from meshdepict.console import about, complain, notes, progress_bar
 from meshdepict.errors import MeshdepictError
 from meshdepict.io import read_mesh
-from meshdepict.io.source import FORMATS, suffix_of
+from meshdepict.io.source import FORMATS, WRITABLE, suffix_of
 from meshdepict.scene import as_view
 from meshdepict.targets import check_target
 from meshdepict.viewer.figure import Figure
@@ -218,7 +218,7 @@ def _names_folder(given: str) -> bool:
 
 
 def _check_format(path: Path) -> None:
-    writable = [suffix for suffix in FORMATS if suffix != ".stl"]  # STL holds no colours
+    writable = [*WRITABLE, ".html"]
     if suffix_of(path) not in writable:
         raise MeshdepictError(
             f"{path}: colours are saved as {', '.join(writable)} (also with .gz), not as "

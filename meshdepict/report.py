@@ -49,9 +49,12 @@ def method(name: str) -> str:
 
 
 def info(path: Path) -> str:
-    """Return counts, size, defects, attributes and provenance of a mesh file."""
+    """Return counts, size, defects, attributes and provenance of a mesh file, or of a volume."""
     from meshdepict.io import read_mesh, read_provenance
+    from meshdepict.io.volumes import is_volume_path
 
+    if is_volume_path(path):
+        return _volume_info(path)
     mesh = read_mesh(path)
     seconds, size = predicted(mesh)
     rows = [
@@ -64,6 +67,25 @@ def info(path: Path) -> str:
     ]
     lines = read_provenance(path) or []
     rows += [("" if i else "baked", line.split(" ", 1)[1]) for i, line in enumerate(lines)]
+    return f"{path}\n{_columns(rows, indent='  ')}"
+
+
+def _volume_info(path: Path) -> str:
+    """Return size, spacing, values and share of voxels that are shown by default."""
+    from meshdepict.io.volumes import read_volume
+
+    volume = read_volume(path)
+    nz, ny, nx = volume.values.shape
+    low, high = volume.range
+    numbers = zip("xyz", volume.spacing, volume.outline.min(0), volume.outline.max(0), strict=True)
+    box = [(a, f"{s:.6g}", f"{least:.6g} … {most:.6g}") for a, s, least, most in numbers]
+    rows = [
+        ("voxels", f"{nx} x {ny} x {nz}"),
+        ("values", f"{low:g} … {high:g} {volume.unit} ({volume.values.dtype})"),
+        ("spacing", "  ".join(f"{axis} {step}" for axis, step, _ in box)),
+        ("box", "  ".join(f"{axis} {span}" for axis, _, span in box)),
+        *((str(key).replace("_", " "), str(text)) for key, text in volume.attributes.items()),
+    ]
     return f"{path}\n{_columns(rows, indent='  ')}"
 
 

@@ -17,7 +17,12 @@ _MARKS = {
     ".csv": b"method,mean,",
     ".html": b'<meta name="generator" content="meshdepict',
     ".toml": b"# meshdepict recipe",
+    ".vti": b'Name="meshdepict"',
+    ".nrrd": b"meshdepict_provenance",
+    ".mha": b"meshdepict_provenance",
 }
+
+_BEGINNING = 4096  # bytes of a file where its mark is looked for
 
 
 def check_target(path: Path, *, force: bool, inputs: Container[str] = ()) -> None:
@@ -69,7 +74,7 @@ def _is_ours(path: Path) -> bool:
     if kind in _MARKS:
         try:
             with path.open("rb") as stream:
-                return _MARKS[kind] in stream.read(1000)
+                return _MARKS[kind] in stream.read(_BEGINNING)
         except OSError:
             return False
     try:

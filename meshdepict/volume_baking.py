@@ -95,7 +95,9 @@ class BakedVolume:
         """
         from meshdepict.io.volumes import write_volume
 
-        write_volume(path, self.rgba, self.shape)
+        lines = [f"meshdepict {key}: {text}" for key, text in self.provenance.items()]
+        ascii_lines = [line.encode("ascii", "backslashreplace").decode() for line in lines]
+        write_volume(path, self.rgba, self.shape, comments=ascii_lines)
         return Path(path)
 
     def to_pyvista(self) -> Any:

@@ -398,3 +398,14 @@ def test_colours_that_are_off_between_vertices_are_said_so_until_refined(run, ba
     assert f"off by {error.rms:.0f} of 255 grey levels (rms), at {error.share:.0%}" in note
     status, _, err = run("bake", "ball.ply", "-m", "lambert", "--refine", "2")
     assert (status, err) == (0, [])
+
+
+def test_a_page_that_turns_is_a_format_like_others(run, ball_ply, folder):
+    words = ["bake", "ball.ply", "-m", "gooch", "-o", "ball.html"]
+    assert run(*words)[0] == 0
+    assert "<canvas" in (folder / "ball.html").read_text()
+    assert run(*words)[0] == 0  # its own file
+    (folder / "ball.html").write_text("<html>mine")
+    status, _, err = run(*words)
+    assert (status, len(err)) == (2, 1)
+    assert (folder / "ball.html").read_text() == "<html>mine"

@@ -38,6 +38,32 @@ def test_voxels_and_pictures_are_written(run, head):
     assert (after != before).any()
 
 
+@pytest.mark.parametrize("suffix", [".vti", ".nrrd", ".mha"])
+def test_voxels_carry_their_provenance_and_may_be_replaced(run, head, suffix):
+    words = [*head, "-m", "lambert", "-o", f"out{suffix}"]
+    assert run(*words)[0] == 0
+    first = Path(f"out{suffix}").read_bytes()
+    assert run(*words)[0] == 0
+    assert Path(f"out{suffix}").read_bytes() == first
+    if suffix == ".vti":
+        import pyvista as pv
+
+        lines = list(pv.read("out.vti").field_data["meshdepict"])
+    else:
+        import SimpleITK
+
+        lines = SimpleITK.ReadImage(f"out{suffix}").GetMetaData("meshdepict_provenance").split("; ")
+    assert "meshdepict method: lambert" in lines
+
+
+def test_info_says_what_a_volume_is(run, head):
+    status, out, _ = run("info", "head.nrrd")
+    assert status == 0
+    text = "\n".join(out)
+    assert "40 x 40 x 40" in text
+    assert "HU (int16)" in text
+
+
 def test_without_anything_asked_for_a_picture_is_drawn(run, head):
     status, (line,), _ = run(*head, "-m", "lambert")
     assert status == 0

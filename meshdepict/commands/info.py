@@ -20,12 +20,12 @@ def info(
     quiet: parameters.Quiet = False,
     cores: parameters.Cores = None,
 ) -> int:
-    """Count what a mesh has, its defects too, and say how long a bake will take.
+    """Count what a mesh or a volume has, its defects too, and say how long a bake will take.
 
     Parameters
     ----------
     inputs
-        Mesh files.
+        Mesh files, or CT.
     """
     from meshdepict import report
 

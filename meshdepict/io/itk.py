@@ -13,7 +13,7 @@ import tempfile
 import threading
 import warnings
 import zlib
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -29,7 +29,8 @@ if TYPE_CHECKING:
 
 __all__ = ["array_of", "place_of", "read_itk", "reason", "simpleitk", "write_itk"]
 
-_UNIT = "meshdepict_unit"  # our key in files that take any (NRRD, MetaImage)
+_UNIT = "meshdepict_unit"  # our keys in files that take any (NRRD, MetaImage)
+PROVENANCE = "meshdepict_provenance"
 _NIFTI = (".nii", ".nii.gz")
 _one_at_a_time = threading.RLock()  # ITK has one logger for all threads
 
@@ -108,7 +109,9 @@ def read_itk(path: Path) -> tuple[NDArray[Any], dict[str, Any], bool]:
     return array_of(image), place_of(image), unit == "HU"
 
 
-def write_itk(path: Path, values: NDArray[Any], volume: Volume) -> None:
+def write_itk(
+    path: Path, values: NDArray[Any], volume: Volume, comments: Sequence[str] = ()
+) -> None:
     """Write scalar or RGBA values on a volume's grid, wholly or not at all."""
     suffix = "".join(path.suffixes[-2:]) if path.suffix == ".gz" else path.suffix
     with simpleitk() as sitk, atomic_write(path) as file:
@@ -118,6 +121,8 @@ def write_itk(path: Path, values: NDArray[Any], volume: Volume) -> None:
         image.SetDirection(volume.direction.ravel().tolist())
         if values.ndim == 3:
             image.SetMetaData(_UNIT, volume.unit)
+        if comments and suffix.lower() not in _NIFTI:
+            image.SetMetaData(PROVENANCE, "; ".join(comments))
         # ITK chooses the format by the suffix, which the file to be renamed doesn't have.
         with tempfile.TemporaryDirectory(prefix=".", dir=Path(file.name).parent) as folder:
             whole = Path(folder) / f"volume{suffix.lower()}"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import warnings
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -118,10 +119,17 @@ def read_volume(
 _VERBS = ("is", "has", "holds", "lacks", "says")  # sentences whose subject is the file
 
 
-def write_volume(path: str | os.PathLike[str], values: ArrayLike, volume: Volume) -> None:
+def write_volume(
+    path: str | os.PathLike[str],
+    values: ArrayLike,
+    volume: Volume,
+    *,
+    comments: Sequence[str] = (),
+) -> None:
     """Write values on a volume's grid, wholly or not at all, in the format that the suffix names.
 
-    NIfTI has no place for the unit, and rounds spacing, origin and direction to single precision.
+    NIfTI has no place for the unit and for comments, and rounds spacing, origin and direction to
+    single precision.
 
     Parameters
     ----------
@@ -131,6 +139,8 @@ def write_volume(path: str | os.PathLike[str], values: ArrayLike, volume: Volume
         Scalars, ``volume.values`` for instance, or RGBA as uint8.
     volume : Volume
         Where the values are; its unit is written with scalars.
+    comments : sequence of str
+        Lines of ASCII that say how the values came about.
 
     Raises
     ------
@@ -156,7 +166,7 @@ def write_volume(path: str | os.PathLike[str], values: ArrayLike, volume: Volume
     if array.dtype == bool or array.dtype == np.float16:
         array = array.astype(np.uint8 if array.dtype == bool else np.float32)
     write = vti.write_vti if suffix == ".vti" else itk.write_itk
-    write(path, np.ascontiguousarray(array), volume)
+    write(path, np.ascontiguousarray(array), volume, comments)
 
 
 def _suffix(path: Path) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -38,11 +39,15 @@ def read_vti(path: Path) -> tuple[NDArray[Any], dict[str, Any], str | None]:
     return image_contents(pv.wrap(reader.GetOutput()))
 
 
-def write_vti(path: Path, values: NDArray[Any], volume: Volume) -> None:
+def write_vti(
+    path: Path, values: NDArray[Any], volume: Volume, comments: Sequence[str] = ()
+) -> None:
     """Write scalar or RGBA values on a volume's grid, wholly or not at all."""
     from vtkmodules.vtkIOXML import vtkXMLImageDataWriter
 
     image = image_of(values, volume)
+    if comments:
+        image.field_data["meshdepict"] = list(comments)
     writer: Any = vtkXMLImageDataWriter()
     with atomic_write(path) as file:
         writer.SetFileName(file.name)

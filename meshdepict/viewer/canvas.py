@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from meshdepict.viewer.display import check_opengl
+
 if TYPE_CHECKING:
     from meshdepict.baked import Baked
     from meshdepict.scene import View
@@ -35,6 +37,7 @@ class Canvas:
         self._window = pv.Plotter(
             off_screen=True, window_size=[width * self._finer, height * self._finer]
         )
+        check_opengl(self._window)
         # Where each sample either hits or misses, coverage and colour average without a fringe.
         self._window.disable_anti_aliasing()
         self._window.set_background("black")

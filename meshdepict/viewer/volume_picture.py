@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from meshdepict.errors import MeshdepictError
 from meshdepict.viewer.canvas import only_errors, place
+from meshdepict.viewer.display import check_opengl
 from meshdepict.viewer.figure import Figure
 from meshdepict.viewer.framing import Framing, frame
 from meshdepict.viewer.live.shader import caught_errors
@@ -104,6 +105,7 @@ def _drawn(
 
     with only_errors():
         window = pv.Plotter(off_screen=True, window_size=list(framing.drawn))
+        check_opengl(window)
         try:
             window.disable_anti_aliasing()
             window.set_background("black")
