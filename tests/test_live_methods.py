@@ -10,7 +10,7 @@ import meshdepict as md
 from meshdepict import samples
 from meshdepict.options import options_of
 from meshdepict.viewer.live import LiveShading, live_methods
-from meshdepict.viewer.live.live_shading import _METHODS
+from meshdepict.viewer.live.look import _METHODS
 
 ALIGNED = (0.9, 0.6, 0.4, 0.2, 0.3)
 

@@ -8,7 +8,7 @@ from live_pictures import difference, drawn
 
 import meshdepict as md
 from meshdepict import MeshdepictError, samples
-from meshdepict.viewer.live import LiveShading, live_methods, live_shading
+from meshdepict.viewer.live import LiveShading, live_methods, look
 from meshdepict.viewer.live.shader import caught_errors
 
 
@@ -175,9 +175,9 @@ def test_thirteen_scales_compile_and_none_is_refused(method):
 
 def test_a_shader_that_does_not_compile_is_one_sentence_and_nothing_else(space, monkeypatch, capfd):
     broken = dataclasses.replace(
-        live_shading._METHODS["lambert"], glsl="vec3 shade() { return vec3(nonsense); }"
+        look._METHODS["lambert"], glsl="vec3 shade() { return vec3(nonsense); }"
     )
-    monkeypatch.setitem(live_shading._METHODS, "lambert", broken)
+    monkeypatch.setitem(look._METHODS, "lambert", broken)
     live = LiveShading(space, "lambert", view="front")
     words = (
         r"lambert shading can't be shown live here: the shader did not compile \(.*nonsense.*\); "
@@ -191,8 +191,8 @@ def test_a_shader_that_does_not_compile_is_one_sentence_and_nothing_else(space, 
 def test_what_follows_a_fault_works(space, monkeypatch):
     good = LiveShading(space, "half_lambert", view="front")
     before = drawn(good)
-    broken = dataclasses.replace(live_shading._METHODS["lambert"], glsl="nonsense")
-    monkeypatch.setitem(live_shading._METHODS, "lambert", broken)
+    broken = dataclasses.replace(look._METHODS["lambert"], glsl="nonsense")
+    monkeypatch.setitem(look._METHODS, "lambert", broken)
     with pytest.raises(MeshdepictError):
         LiveShading(space, "lambert", view="front").check()
     assert (drawn(good) == before).all()

@@ -11,7 +11,7 @@ from meshdepict.scales import scale_space
 from meshdepict.scene import View
 from meshdepict.transfer import TransferFunction
 from meshdepict.viewer.canvas import place
-from meshdepict.viewer.live import live_methods, volume_shading
+from meshdepict.viewer.live import live_methods, look, volume_shading
 from meshdepict.viewer.live.volume_shading import LiveVolume
 from meshdepict.viewer.volume_scene import add_baked
 from meshdepict.volume_baking import bake_volume
@@ -153,8 +153,8 @@ def test_other_shapes_transfer_functions_and_too_many_voxels_are_refused(space, 
 
 
 def test_a_shader_that_fails_is_one_sentence(space, monkeypatch):
-    broken = dataclasses.replace(volume_shading._METHODS["lambert"], glsl="vec3 shade() { oops }")
-    monkeypatch.setitem(volume_shading._METHODS, "lambert", broken)
+    broken = dataclasses.replace(look._METHODS["lambert"], glsl="vec3 shade() { oops }")
+    monkeypatch.setitem(look._METHODS, "lambert", broken)
     live = LiveVolume(space, "lambert", view="front")
     with pytest.raises(MeshdepictError, match="lambert shading can't be shown live here: the shad"):
         live.check()

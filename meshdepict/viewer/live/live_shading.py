@@ -9,38 +9,22 @@ import numpy as np
 
 from meshdepict.color import encode
 from meshdepict.errors import MeshdepictError
-from meshdepict.options import check, nearest, options_of
+from meshdepict.options import options_of
 from meshdepict.scales import ScaleSpace
-from meshdepict.scene import Light, View, as_light, as_lights, as_view
-from meshdepict.shading import declaration
+from meshdepict.scene import View, as_view
 from meshdepict.viewer.live import encoding, octahedral
-from meshdepict.viewer.live.direct import LIGHT_WARPING, PHONG, RADIANCE_SCALING
-from meshdepict.viewer.live.exaggerated import EXAGGERATED
-from meshdepict.viewer.live.lambert import HALF_LAMBERT, LAMBERT
-from meshdepict.viewer.live.light_alignment import LIGHT_ALIGNMENT
-from meshdepict.viewer.live.live_method import LiveMethod
 from meshdepict.viewer.live.locality import along_curve
-from meshdepict.viewer.live.shader import (
-    MOST_LIGHTS,
-    SURROUNDINGS,
-    assemble,
-    caught_errors,
-    set_uniforms,
+from meshdepict.viewer.live.look import (
+    changed_options,
+    live_lights,
+    live_method,
+    live_methods,
+    look_uniforms,
+    switches,
 )
+from meshdepict.viewer.live.shader import SURROUNDINGS, assemble, caught_errors, set_uniforms
 
 __all__ = ["LiveShading", "live_methods"]
-
-_METHODS = {
-    method.name: method
-    for method in (
-        EXAGGERATED, LIGHT_WARPING, RADIANCE_SCALING, LIGHT_ALIGNMENT, LAMBERT, HALF_LAMBERT, PHONG,
-    )
-}  # fmt: skip
-
-
-def live_methods() -> tuple[str, ...]:
-    """Return the names of the methods that can be live."""
-    return tuple(_METHODS)
 
 
 class LiveShading:
@@ -98,17 +82,12 @@ class LiveShading:
         view: View | str,
         colormap: str | None = None,
     ) -> None:
-        if not isinstance(method, str) or method not in _METHODS:
-            raise MeshdepictError(
-                f"{method!r} can't be shown live{nearest(str(method), _METHODS)} (these can: "
-                f"{', '.join(_METHODS)}); bake it instead"
-            )
+        self._method = live_method(method)
         shape = getattr(space, "shape", None)
         if not len(getattr(shape, "faces", ())) or len(space.points) != len(space.shape.vertices):
             raise MeshdepictError(
                 "live shading needs the scale space of a mesh's vertices; bake other shapes instead"
             )
-        self._method = _METHODS[method]
         self._space = space
         self._options = {
             name: option.default for name, option in options_of(self._method.function).items()
@@ -179,32 +158,21 @@ class LiveShading:
         view: View = changes.get("view", self._view)
         light = changes.get("light", self._light)
         colormap = changes.get("colormap", self._colormap)
-        given = check(method.function, changes.get("options", {}), method.name)
-        options = self._options | given
-        for name, values in method.only.items():
-            if options[name] not in values:
-                raise MeshdepictError(
-                    f"{method.name} can't be live with {name}={options[name]!r}, only with "
-                    f"{values[0]!r}; bake it instead"
-                )
-        lights = _lights(method, light, view, options)
+        options = changed_options(method, self._options, changes.get("options", {}))
+        lights = live_lights(method, light, view, options)
         if colormap is not None:  # which refuses unknown ones, and coloured light
             colored = any(np.ptp(lamp.color) > 0 for lamp in lights)
             encode(np.zeros((1, 3) if colored else 1), linear=False, colormap=colormap)
         uniforms = {
-            **method.uniforms(space, options),
-            **_light_uniforms(lights),
-            **_eye_uniforms(view, space),
+            **look_uniforms(method, space, lights, view, options),
             **encoding.table_uniforms(colormap),
-            "exposure": options["exposure"],
         }
         key = method.key(view, options)
         if key != self._key:
             self._sets = self._upload(*method.attributes(space, view, options))
-        defines = {"SETS": self._sets, **method.defines(options)}
-        defines |= {"LINEAR": 1} if declaration(method.function).linear else {}
+        defines = switches(method, self._sets, options)
         defines |= {} if colormap is None else {"MAPPED": 1}
-        set_uniforms(self.actor, uniforms)
+        set_uniforms(self.actor.GetShaderProperty().GetVertexCustomUniforms(), uniforms)
         if defines != self._defines:
             assemble(self.actor, self._parts(), defines)
         self._view, self._light, self._colormap = view, light, colormap
@@ -258,30 +226,3 @@ def _actor(space: ScaleSpace) -> tuple[Any, Any]:
     actor.SetMapper(mapper)
     actor.GetProperty().LightingOff()
     return actor, poly
-
-
-def _lights(method: LiveMethod, light: Any, view: View, options: Mapping[str, Any]) -> list[Light]:
-    """Return the lights; their colours count where the method looks at them."""
-    if not method.several:
-        return [Light(as_light(light, view).direction)]
-    lights = as_lights(light, view, count=options.get("lights", 54))
-    if len(lights) > MOST_LIGHTS:
-        raise MeshdepictError(
-            f"live shading has at most {MOST_LIGHTS} lights, not {len(lights)}; bake it instead"
-        )
-    return lights
-
-
-def _light_uniforms(lights: list[Light]) -> dict[str, Any]:
-    """Return direction and colour of each, in an array of constant length."""
-    numbers = np.zeros((MOST_LIGHTS, 6))
-    for row, lamp in zip(numbers, lights, strict=False):
-        row[:3], row[3:] = lamp.direction, lamp.color
-    return {"lights": numbers.ravel().tolist(), "light_count": len(lights)}
-
-
-def _eye_uniforms(view: View, space: ScaleSpace) -> dict[str, Any]:
-    axis = tuple(map(float, view.towards_eye))
-    if view.parallel_scale is not None:
-        return {"eye": (*axis, 0.0), "view_axis": axis}
-    return {"eye": (*map(float, space.shape.recentred(view.position)), 1.0), "view_axis": axis}

@@ -68,17 +68,17 @@ def assemble(actor: Any, parts: Mapping[str, str], defines: Mapping[str, int]) -
         shader.AddFragmentShaderReplacement(place, first, f"{text}\n", everywhere)
 
 
-def set_uniforms(actor: Any, uniforms: Uniforms) -> None:
+def set_uniforms(given: Any, uniforms: Uniforms) -> None:
     """Hand numbers to the shader: no vertex is touched.
 
     Parameters
     ----------
-    actor : vtkActor
+    given : vtkUniforms
+        Of an actor's vertex or fragment shader.
     uniforms : {name: value}
         A float, an int, a tuple (vector), a list of floats, or (k, 4, 4) matrices that GLSL
         indexes in the same order.
     """
-    given = actor.GetShaderProperty().GetVertexCustomUniforms()
     for name, value in uniforms.items():
         if isinstance(value, np.ndarray):
             given.SetUniformMatrix4x4v(name, len(value), value.ravel().tolist())

@@ -10,7 +10,6 @@ are shaded, and their colours are interpolated, as the card does with baked ones
 from __future__ import annotations
 
 from collections.abc import Mapping
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -19,15 +18,15 @@ from numpy.typing import NDArray
 from meshdepict.color import quantise
 from meshdepict.errors import MeshdepictError
 from meshdepict.grid_scales import GridSpace
-from meshdepict.options import check, nearest, options_of
+from meshdepict.options import options_of
 from meshdepict.scene import View, as_view
-from meshdepict.shading import declaration
 from meshdepict.viewer.live import encoding, octahedral
-from meshdepict.viewer.live.live_shading import (
-    _METHODS,
-    _eye_uniforms,
-    _light_uniforms,
-    _lights,
+from meshdepict.viewer.live.look import (
+    changed_options,
+    live_lights,
+    live_method,
+    look_uniforms,
+    switches,
 )
 from meshdepict.viewer.live.shader import SURROUNDINGS, caught_errors, set_uniforms
 from meshdepict.viewer.volume_rays import march, volume_actor
@@ -114,13 +113,8 @@ class LiveVolume:
         light: Any = "northwest",
         view: View | str,
     ) -> None:
-        if not isinstance(method, str) or method not in _METHODS:
-            raise MeshdepictError(
-                f"{method!r} can't be shown live{nearest(str(method), _METHODS)} (these can: "
-                f"{', '.join(_METHODS)}); bake it instead"
-            )
+        self._method, self._space = live_method(method), space
         _check_space(space)
-        self._method, self._space = _METHODS[method], space
         self._options = {
             name: option.default for name, option in options_of(self._method.function).items()
         }
@@ -186,30 +180,20 @@ class LiveVolume:
         method, space = self._method, self._space
         view: View = changes.get("view", self._view)
         light = changes.get("light", self._light)
-        given = check(method.function, changes.get("options", {}), method.name)
-        options = self._options | given
-        for name, values in method.only.items():
-            if options[name] not in values:
-                raise MeshdepictError(
-                    f"{method.name} can't be live with {name}={options[name]!r}, only with "
-                    f"{values[0]!r}; bake it instead"
-                )
+        options = changed_options(method, self._options, changes.get("options", {}))
+        lights = live_lights(method, light, view, options)
         uniforms = {
-            **method.uniforms(space, options),
-            **_light_uniforms(_lights(method, light, view, options)),
-            **_eye_uniforms(view, space),
-            "exposure": options["exposure"],
+            **look_uniforms(method, space, lights, view, options),
             "grid": _grid_matrix(self.actor),
         }
         key = method.key(view, options)
         anew = key != self._key
         if anew:
             self._sets, self._attributes = method.attributes(space, view, options)
-        defines = {"SETS": self._sets, **method.defines(options)}
-        defines |= {"LINEAR": 1} if declaration(method.function).linear else {}
+        defines = switches(method, self._sets, options)
         if anew or defines != self._defines:
             self._march(defines)
-        set_uniforms(_fragments(self.actor), uniforms)
+        set_uniforms(self.actor.GetShaderProperty().GetFragmentCustomUniforms(), uniforms)
         self._view, self._light = view, light
         self._options, self._key, self._defines = options, key, defines
 
@@ -290,11 +274,3 @@ def _grid_matrix(actor: Any) -> NDArray[np.float64]:
     matrix = image.GetIndexToPhysicalMatrix()
     found = [[matrix.GetElement(row, column) for row in range(4)] for column in range(4)]
     return np.array([found])
-
-
-def _fragments(actor: Any) -> Any:
-    """Return an actor whose uniforms of vertices are those of its fragments: volumes have these."""
-    shader = SimpleNamespace(
-        GetVertexCustomUniforms=actor.GetShaderProperty().GetFragmentCustomUniforms
-    )
-    return SimpleNamespace(GetShaderProperty=lambda: shader)

@@ -1,0 +1,118 @@
+"""What live shading of meshes and of volumes share: methods, checked options, uniforms."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from meshdepict.errors import MeshdepictError
+from meshdepict.options import check, nearest
+from meshdepict.scales import ScaleSpace
+from meshdepict.scene import Light, View, as_light, as_lights
+from meshdepict.shading import declaration
+from meshdepict.viewer.live.direct import LIGHT_WARPING, PHONG, RADIANCE_SCALING
+from meshdepict.viewer.live.exaggerated import EXAGGERATED
+from meshdepict.viewer.live.lambert import HALF_LAMBERT, LAMBERT
+from meshdepict.viewer.live.light_alignment import LIGHT_ALIGNMENT
+from meshdepict.viewer.live.live_method import LiveMethod
+from meshdepict.viewer.live.shader import MOST_LIGHTS
+
+__all__ = [
+    "changed_options", "live_lights", "live_method", "live_methods", "look_uniforms", "switches",
+]  # fmt: skip
+
+_METHODS = {
+    method.name: method
+    for method in (
+        EXAGGERATED, LIGHT_WARPING, RADIANCE_SCALING, LIGHT_ALIGNMENT, LAMBERT, HALF_LAMBERT, PHONG,
+    )
+}  # fmt: skip
+
+
+def live_methods() -> tuple[str, ...]:
+    """Return the names of the methods that can be live."""
+    return tuple(_METHODS)
+
+
+def live_method(name: Any) -> LiveMethod:
+    """Return a method that can be live; raise `MeshdepictError` for others."""
+    if not isinstance(name, str) or name not in _METHODS:
+        raise MeshdepictError(
+            f"{name!r} can't be shown live{nearest(str(name), _METHODS)} (these can: "
+            f"{', '.join(_METHODS)}); bake it instead"
+        )
+    return _METHODS[name]
+
+
+def changed_options(
+    method: LiveMethod, options: Mapping[str, Any], given: Mapping[str, Any]
+) -> dict[str, Any]:
+    """Return options with those given in their place.
+
+    Raises
+    ------
+    MeshdepictError
+        For wrong ones, and for values that can't be live.
+    """
+    changed = {**options, **check(method.function, given, method.name)}
+    for name, values in method.only.items():
+        if changed[name] not in values:
+            raise MeshdepictError(
+                f"{method.name} can't be live with {name}={changed[name]!r}, only with "
+                f"{values[0]!r}; bake it instead"
+            )
+    return changed
+
+
+def live_lights(
+    method: LiveMethod, light: Any, view: View, options: Mapping[str, Any]
+) -> list[Light]:
+    """Return the lights; their colours count where the method looks at them.
+
+    Raises
+    ------
+    MeshdepictError
+        For more than fit.
+    """
+    if not method.several:
+        return [Light(as_light(light, view).direction)]
+    lights = as_lights(light, view, count=options.get("lights", 54))
+    if len(lights) > MOST_LIGHTS:
+        raise MeshdepictError(
+            f"live shading has at most {MOST_LIGHTS} lights, not {len(lights)}; bake it instead"
+        )
+    return lights
+
+
+def look_uniforms(
+    method: LiveMethod,
+    space: ScaleSpace,
+    lights: list[Light],
+    view: View,
+    options: Mapping[str, Any],
+) -> dict[str, Any]:
+    """Return the numbers of method, lights and eye that the shader needs."""
+    numbers = np.zeros((MOST_LIGHTS, 6))
+    for row, lamp in zip(numbers, lights, strict=False):
+        row[:3], row[3:] = lamp.direction, lamp.color
+    axis = tuple(map(float, view.towards_eye))
+    if view.parallel_scale is not None:
+        eye = (*axis, 0.0)
+    else:
+        eye = (*map(float, space.shape.recentred(view.position)), 1.0)
+    return {
+        **method.uniforms(space, options),
+        "lights": numbers.ravel().tolist(),
+        "light_count": len(lights),
+        "eye": eye,
+        "view_axis": axis,
+        "exposure": options["exposure"],
+    }
+
+
+def switches(method: LiveMethod, sets: int, options: Mapping[str, Any]) -> dict[str, int]:
+    """Return what the shader is compiled with."""
+    linear = {"LINEAR": 1} if declaration(method.function).linear else {}
+    return {"SETS": sets, **method.defines(options), **linear}
