@@ -451,7 +451,7 @@ def test_what_is_no_port_is_refused(session, port):
 
 def test_without_trame_the_sentence_says_what_to_install(session, monkeypatch):
     monkeypatch.setitem(sys.modules, "trame.app", None)
-    with pytest.raises(MeshdepictError, match=r"needs trame: pip install 'meshdepict\[browser\]'"):
+    with pytest.raises(MeshdepictError, match=r"needs trame: pip install 'pyvista\[jupyter\]'"):
         serve(session, open_browser=False)
 
 

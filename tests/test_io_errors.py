@@ -149,7 +149,7 @@ WRONG = {
     "nothing.gltf": (b'{"asset": {}}', ": the mesh is empty"),
     # VTP
     "cut.vtp": (VTP[:-5], "is cut off: it doesn't end with </VTKFile>"),
-    "image.vti": (VTP.replace(b"PolyData", b"ImageData"), "other VTK data than PolyData"),
+    "image.vtp": (VTP.replace(b"PolyData", b"ImageData"), "other VTK data than PolyData"),
     "wrong.vtp": (VTP.replace(b"<PolyData>", b"<PolyData><<"), "is wrong as VTP: .*Error parsing"),
     "nothing.vtp": (VTP, ": the mesh is empty"),
 }  # fmt: skip
@@ -177,6 +177,8 @@ def test_no_such_file(tmp_path):
 
 def test_a_folder(tmp_path):
     with pytest.raises(MeshdepictError, match="is a folder, not a file"):
+        read_mesh(tmp_path)
+    with pytest.raises(MeshdepictError, match="holds no DICOM images"):
         read(tmp_path)
 
 

@@ -284,8 +284,9 @@ def test_wrong_input_is_refused(space, ball):
 
 def test_a_comma_list_on_the_command_line(run, ball_ply):
     status, out, err = run(
-        "bake", "ball.ply", "-m", "light_alignment", "--set", "strength=0.9,0.6,0.4", "--scales", 3
-    )
+        "bake", "ball.ply", "-m", "light_alignment", "--set", "strength=0.9,0.6,0.4",
+        "--scales", 3, "--quiet",
+    )  # fmt: skip
     assert (status, err) == (0, [])
     assert any(
         "strength=0.9,0.6,0.4" in line for line in md.io.read_provenance(out[0].split(":")[0])

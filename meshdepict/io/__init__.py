@@ -28,15 +28,16 @@ if TYPE_CHECKING:
 __all__ = ["atomic_write", "read", "read_mesh", "read_provenance", "write_mesh"]
 
 
-def read(path: str | os.PathLike[str]) -> Mesh | Volume:
+def read(path: str | os.PathLike[str], *, winding: str = "auto") -> Mesh | Volume:
     """Read whatever a file or a folder holds, by its content and its suffix.
 
-    A mesh as `read_mesh` does, or a volume as `volumes.read_volume`, which know more to choose and
-    say what can go wrong. A ``.tif`` may hold anything: `read_volume` takes it for slices.
+    A mesh as `read_mesh` does (see there for `winding`), or a volume as `volumes.read_volume`,
+    which know more to choose and say what can go wrong. A ``.tif`` may hold anything:
+    `read_volume` takes it for slices.
     """
     from meshdepict.io.volumes import is_volume_path, read_volume
 
-    return read_volume(path) if is_volume_path(path) else read_mesh(path)
+    return read_volume(path) if is_volume_path(path) else read_mesh(path, winding=winding)
 
 
 def read_mesh(path: str | os.PathLike[str], *, winding: str = "auto") -> Mesh:

@@ -9,12 +9,12 @@ import numpy as np
 
 from meshdepict.color import encode
 from meshdepict.errors import MeshdepictError
-from meshdepict.options import options_of
 from meshdepict.scales import ScaleSpace
-from meshdepict.scene import View, as_view
+from meshdepict.scene import View
 from meshdepict.viewer.live import encoding, octahedral
 from meshdepict.viewer.live.locality import along_curve
 from meshdepict.viewer.live.look import (
+    LiveLook,
     changed_options,
     live_lights,
     live_method,
@@ -22,12 +22,12 @@ from meshdepict.viewer.live.look import (
     look_uniforms,
     switches,
 )
-from meshdepict.viewer.live.shader import SURROUNDINGS, assemble, caught_errors, set_uniforms
+from meshdepict.viewer.live.shader import SURROUNDINGS, assemble, set_uniforms
 
 __all__ = ["LiveShading", "live_methods"]
 
 
-class LiveShading:
+class LiveShading(LiveLook):
     """A mesh whose shading the graphics card computes anew in every frame.
 
     It shows what ``bake(space, method, light=light, view=view, colormap=colormap, **options)``
@@ -82,75 +82,23 @@ class LiveShading:
         view: View | str,
         colormap: str | None = None,
     ) -> None:
-        self._method = live_method(method)
+        live_method(method)
         shape = getattr(space, "shape", None)
         if not len(getattr(shape, "faces", ())) or len(space.points) != len(space.shape.vertices):
             raise MeshdepictError(
                 "live shading needs the scale space of a mesh's vertices; bake other shapes instead"
             )
-        self._space = space
-        self._options = {
-            name: option.default for name, option in options_of(self._method.function).items()
-        }
-        self._light, self._colormap = light, colormap
-        self._view = as_view(view, space.shape)
-        self._key: tuple[Any, ...] | None = None
-        self._defines: dict[str, int] | None = None
-        self._sets = 0
+        super().__init__(space, method, light, view)
+        self._colormap = colormap
         self.actor, self._poly = _actor(space)
         self._show(options=dict(options or {}))
-
-    @property
-    def method(self) -> str:
-        """Name of the method."""
-        return self._method.name
-
-    @property
-    def options(self) -> dict[str, Any]:
-        """All options and their values."""
-        return dict(self._options)
-
-    def set_light(self, light: Any) -> None:
-        """Light it differently: uniforms only."""
-        self._show(light=light)
-
-    def set_options(self, **options: Any) -> None:
-        """Change some options; the others stay."""
-        self._show(options=options)
-
-    def set_view(self, view: View | str) -> None:
-        """Move the eye that highlights, curvature and named lights refer to."""
-        self._show(view=as_view(view, self._space.shape))
 
     def set_colormap(self, colormap: str | None) -> None:
         """Colour by another 1D map; None is grey."""
         self._show(colormap=colormap)
 
-    def check(self, plotter: Any = None) -> None:
-        """Render a frame and raise if the card doesn't do what it should.
-
-        Parameters
-        ----------
-        plotter : pyvista.Plotter, optional
-            Whose scene has the actor; else a few pixels are rendered off screen.
-
-        Raises
-        ------
-        MeshdepictError
-            With the driver's words where the shader did not compile.
-        """
-        import pyvista as pv
-
-        with caught_errors(f"{self.method} shading"):
-            if plotter is not None:
-                plotter.render_window.Render()
-                return
-            window = pv.Plotter(off_screen=True, window_size=[16, 16])
-            try:
-                window.add_actor(self.actor)
-                window.show(auto_close=False)
-            finally:
-                window.close()
+    def _enter(self, window: Any) -> None:
+        window.add_actor(self.actor)
 
     def _show(self, **changes: Any) -> None:
         """Check changes to light, options, view and colour map together, then make them."""

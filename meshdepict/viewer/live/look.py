@@ -8,19 +8,20 @@ from typing import Any
 import numpy as np
 
 from meshdepict.errors import MeshdepictError
-from meshdepict.options import check, nearest
+from meshdepict.options import check, nearest, options_of
 from meshdepict.scales import ScaleSpace
-from meshdepict.scene import Light, View, as_light, as_lights
+from meshdepict.scene import Light, View, as_light, as_lights, as_view
 from meshdepict.shading import declaration
 from meshdepict.viewer.live.direct import LIGHT_WARPING, PHONG, RADIANCE_SCALING
 from meshdepict.viewer.live.exaggerated import EXAGGERATED
 from meshdepict.viewer.live.lambert import HALF_LAMBERT, LAMBERT
 from meshdepict.viewer.live.light_alignment import LIGHT_ALIGNMENT
 from meshdepict.viewer.live.live_method import LiveMethod
-from meshdepict.viewer.live.shader import MOST_LIGHTS
+from meshdepict.viewer.live.shader import MOST_LIGHTS, caught_errors
 
 __all__ = [
-    "changed_options", "live_lights", "live_method", "live_methods", "look_uniforms", "switches",
+    "LiveLook", "changed_options", "live_lights", "live_method", "live_methods", "look_uniforms",
+    "switches",
 ]  # fmt: skip
 
 _METHODS = {
@@ -29,6 +30,86 @@ _METHODS = {
         EXAGGERATED, LIGHT_WARPING, RADIANCE_SCALING, LIGHT_ALIGNMENT, LAMBERT, HALF_LAMBERT, PHONG,
     )
 }  # fmt: skip
+
+
+class LiveLook:
+    """A method, its options, a light and a view, which all can change; what shows them is `actor`.
+
+    Parameters
+    ----------
+    space : ScaleSpace
+    method, light, view
+        As in `bake`.
+    """
+
+    actor: Any
+
+    def __init__(self, space: ScaleSpace, method: str, light: Any, view: View | str) -> None:
+        self._method, self._space = live_method(method), space
+        self._options: dict[str, Any] = {
+            name: option.default for name, option in options_of(self._method.function).items()
+        }
+        self._light, self._view = light, as_view(view, space.shape)
+        # What the card has by now.
+        self._key: tuple[Any, ...] | None = None
+        self._defines: dict[str, int] | None = None
+        self._sets = 0
+
+    @property
+    def method(self) -> str:
+        """Name of the method."""
+        return self._method.name
+
+    @property
+    def options(self) -> dict[str, Any]:
+        """All options and their values."""
+        return dict(self._options)
+
+    def set_light(self, light: Any) -> None:
+        """Light it differently: uniforms only."""
+        self._show(light=light)
+
+    def set_options(self, **options: Any) -> None:
+        """Change some options; the others stay."""
+        self._show(options=options)
+
+    def set_view(self, view: View | str) -> None:
+        """Move the eye that highlights, curvature and named lights refer to."""
+        self._show(view=as_view(view, self._space.shape))
+
+    def check(self, plotter: Any = None) -> None:
+        """Render a frame and raise if the card doesn't do what it should.
+
+        Parameters
+        ----------
+        plotter : pyvista.Plotter, optional
+            Whose scene has the actor; else a few pixels are rendered off screen.
+
+        Raises
+        ------
+        MeshdepictError
+            With the driver's words where the shader did not compile.
+        """
+        import pyvista as pv
+
+        with caught_errors(f"{self.method} shading"):
+            if plotter is not None:
+                plotter.render_window.Render()
+                return
+            window = pv.Plotter(off_screen=True, window_size=[16, 16])
+            try:
+                self._enter(window)
+                window.show(auto_close=False)
+            finally:
+                window.close()
+
+    def _enter(self, window: Any) -> None:
+        """Add the actor to a plotter."""
+        raise NotImplementedError
+
+    def _show(self, **changes: Any) -> None:
+        """Check changes together, then make them."""
+        raise NotImplementedError
 
 
 def live_methods() -> tuple[str, ...]:

@@ -18,17 +18,17 @@ from numpy.typing import NDArray
 from meshdepict.color import quantise
 from meshdepict.errors import MeshdepictError
 from meshdepict.grid_scales import GridSpace
-from meshdepict.options import options_of
-from meshdepict.scene import View, as_view
+from meshdepict.scene import View
 from meshdepict.viewer.live import encoding, octahedral
 from meshdepict.viewer.live.look import (
+    LiveLook,
     changed_options,
     live_lights,
     live_method,
     look_uniforms,
     switches,
 )
-from meshdepict.viewer.live.shader import SURROUNDINGS, caught_errors, set_uniforms
+from meshdepict.viewer.live.shader import SURROUNDINGS, set_uniforms
 from meshdepict.viewer.volume_rays import march, volume_actor
 from meshdepict.viewer.volume_scene import (
     levels_of,
@@ -74,7 +74,7 @@ vec4 light_at(vec4 texel, vec3 place) {
 """
 
 
-class LiveVolume:
+class LiveVolume(LiveLook):
     """A volume whose shading the graphics card computes anew in every frame.
 
     It shows what ``bake_volume(space, method, light=light, view=view, **options)`` would; what can
@@ -104,6 +104,8 @@ class LiveVolume:
         For what can't be live, and wrong options; nothing changes then.
     """
 
+    _space: GridSpace
+
     def __init__(
         self,
         space: GridSpace,
@@ -113,67 +115,16 @@ class LiveVolume:
         light: Any = "northwest",
         view: View | str,
     ) -> None:
-        self._method, self._space = live_method(method), space
+        live_method(method)
         _check_space(space)
-        self._options = {
-            name: option.default for name, option in options_of(self._method.function).items()
-        }
-        self._light, self._view = light, as_view(view, space.shape)
-        self._key: tuple[Any, ...] | None = None
-        self._defines: dict[str, int] | None = None
+        super().__init__(space, method, light, view)
         self._attributes: Mapping[str, NDArray[np.float32]] = {}
-        self._sets = 0
         self._values, corner = _numbered(space)
         self.actor = volume_actor(self._values, space.shape, corner)
         self._show(options=dict(options or {}))
 
-    @property
-    def method(self) -> str:
-        """Name of the method."""
-        return self._method.name
-
-    @property
-    def options(self) -> dict[str, Any]:
-        """All options and their values."""
-        return dict(self._options)
-
-    def set_light(self, light: Any) -> None:
-        """Light it differently: uniforms only."""
-        self._show(light=light)
-
-    def set_options(self, **options: Any) -> None:
-        """Change some options; the others stay."""
-        self._show(options=options)
-
-    def set_view(self, view: View | str) -> None:
-        """Move the eye that highlights, curvature and named lights refer to."""
-        self._show(view=as_view(view, self._space.shape))
-
-    def check(self, plotter: Any = None) -> None:
-        """Render a frame and raise if the card doesn't do what it should.
-
-        Parameters
-        ----------
-        plotter : pyvista.Plotter, optional
-            Whose scene has the actor; else a few pixels are rendered off screen.
-
-        Raises
-        ------
-        MeshdepictError
-            With the driver's words where the shader did not compile.
-        """
-        import pyvista as pv
-
-        with caught_errors(f"{self.method} shading"):
-            if plotter is not None:
-                plotter.render_window.Render()
-                return
-            window = pv.Plotter(off_screen=True, window_size=[16, 16])
-            try:
-                window.renderer.AddVolume(self.actor)
-                window.show(auto_close=False)
-            finally:
-                window.close()
+    def _enter(self, window: Any) -> None:
+        window.renderer.AddVolume(self.actor)
 
     def _show(self, **changes: Any) -> None:
         """Check changes to light, options and view together, then make them."""
