@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from meshdepict.edges import connected
-from meshdepict.welding import same_position
+from meshdepict.surface.edges import connected
+from meshdepict.surface.welding import same_position
 
 if TYPE_CHECKING:
     from meshdepict.mesh import Mesh

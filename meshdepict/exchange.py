@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from meshdepict.errors import MeshdepictError
 from meshdepict.io.document import Contents, Document
-from meshdepict.polygons import Polygons, strip_triangles
+from meshdepict.surface.polygons import Polygons, strip_triangles
 
 if TYPE_CHECKING:
     from meshdepict.mesh import Mesh

@@ -16,8 +16,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from meshdepict import direct_sums as direct
-from meshdepict import spectral_sums as spectral
+from meshdepict.sums import direct_sums as direct
+from meshdepict.sums import spectral_sums as spectral
 
 __all__ = ["gaussian_sums"]
 

@@ -11,9 +11,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from meshdepict.errors import MeshdepictError
 from meshdepict.fingerprint import fingerprint
+from meshdepict.images.pixel_samples import PixelSamples, check_size, finite
 from meshdepict.mesh import Mesh
-from meshdepict.mesh_input import frozen
-from meshdepict.pixel_samples import PixelSamples, check_size, finite
+from meshdepict.surface.mesh_input import frozen
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -100,8 +100,8 @@ class GBuffer(PixelSamples):
         MeshdepictError
             Where the view shows nothing of the shape, and for a size beyond 1 … 16384.
         """
+        from meshdepict.images.visibility import visible_surface
         from meshdepict.scene import View
-        from meshdepict.visibility import visible_surface
 
         if not isinstance(shape, Mesh):
             raise MeshdepictError(f"a {type(shape).__name__} can't be looked at: give a Mesh")
@@ -170,7 +170,7 @@ class GBuffer(PixelSamples):
             For files that can't be read, images of different sizes, an empty mask, and values that
             make no sense.
         """
-        from meshdepict.image_files import depth_unit, surface_images
+        from meshdepict.images.image_files import depth_unit, surface_images
         from meshdepict.scene import View
 
         found = surface_images(normals, depth, mask, occlusion, green=green)

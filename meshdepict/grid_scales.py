@@ -13,17 +13,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshdepict.errors import MeshdepictError
-from meshdepict.grid_normals import (
+from meshdepict.ladder import Progress, reporter
+from meshdepict.scales import ScaleSpace
+from meshdepict.voxels.grid_normals import (
     Scattered,
     completed,
     gradients_to_world,
     in_voxels,
     least_gradient,
 )
-from meshdepict.grid_samples import Samples, shaded_voxels
-from meshdepict.grid_sums import GRADIENT, GridSums, Piece
-from meshdepict.ladder import Progress, reporter
-from meshdepict.scales import ScaleSpace
+from meshdepict.voxels.grid_samples import Samples, shaded_voxels
+from meshdepict.voxels.grid_sums import GRADIENT, GridSums, Piece
 
 if TYPE_CHECKING:
     from meshdepict.curvature import PrincipalCurvatures
@@ -256,7 +256,7 @@ def piece_space(
 
     It has no samples where none of them is left by the gradient opacity, or has a gradient.
     """
-    from meshdepict.gaussian_gradient import normalise
+    from meshdepict.voxels.gaussian_gradient import normalise
 
     spacing, matrix = shape.spacing, gradients_to_world(shape)
     sums = GridSums(piece, samples, tolerance)

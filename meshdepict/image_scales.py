@@ -201,7 +201,7 @@ def image_space(
     check_ladder(scales, ratio, 1, 1e-4)
     first = resolve_width(width, gbuffer)
     if iterations is not None:
-        from meshdepict.diffusion import diffusion_width
+        from meshdepict.images.diffusion import diffusion_width
 
         if isinstance(iterations, bool) or int(iterations) != iterations or iterations < 1:
             raise MeshdepictError(f"iterations={iterations!r} is not a whole number from 1 on")
@@ -211,7 +211,7 @@ def image_space(
     planes[0] = gbuffer.normals.T
     pixels = widths / gbuffer.edge_length
     if filter == "diffusion":
-        from meshdepict.diffusion import MOST_STEPS, diffused_scales, step_count
+        from meshdepict.images.diffusion import MOST_STEPS, diffused_scales, step_count
 
         count = step_count(float(pixels[-1]))
         if count > MOST_STEPS:
@@ -223,7 +223,7 @@ def image_space(
         share = _per_sample(importance, gbuffer)
         diffused_scales(gbuffer, planes, pixels, stops, importance=share, progress=progress)
     else:
-        from meshdepict.bilateral import bilateral_scales
+        from meshdepict.images.bilateral import bilateral_scales
 
         bilateral_scales(gbuffer, planes, pixels, depth_range=depth_range, progress=progress)
     space = ImageSpace(gbuffer, gbuffer.points, widths, float(ratio), planes)

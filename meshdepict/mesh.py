@@ -10,15 +10,20 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from meshdepict import triangles
 from meshdepict.errors import MeshdepictError, MeshdepictWarning
 from meshdepict.fingerprint import fingerprint
-from meshdepict.mesh_input import check_indices, checked_attributes, checked_vertices, frozen
-from meshdepict.polygons import as_polygons, triangulate
-from meshdepict.welding import normal_groups, same_position
+from meshdepict.surface import triangles
+from meshdepict.surface.mesh_input import (
+    check_indices,
+    checked_attributes,
+    checked_vertices,
+    frozen,
+)
+from meshdepict.surface.polygons import as_polygons, triangulate
+from meshdepict.surface.welding import normal_groups, same_position
 
 if TYPE_CHECKING:
-    from meshdepict.orientation import Orientation
+    from meshdepict.surface.orientation import Orientation
 
 __all__ = ["Mesh"]
 
@@ -178,7 +183,7 @@ class Mesh:
     @cached_property
     def orientation(self) -> Orientation:
         """Which faces had to be turned to point outwards, and a sentence about it."""
-        from meshdepict.orientation import Orientation, orient
+        from meshdepict.surface.orientation import Orientation, orient
 
         if self.winding == "keep":
             return Orientation(np.zeros(len(self.faces), bool), None)

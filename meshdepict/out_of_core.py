@@ -17,12 +17,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from meshdepict.errors import MeshdepictError
-from meshdepict.grid_normals import in_voxels
-from meshdepict.grid_samples import Triple
-from meshdepict.grid_sums import Piece, halo
 from meshdepict.scene import View
 from meshdepict.volume_place import Place
 from meshdepict.volume_recipe import BESIDE, VolumeRecipe, volume_recipe
+from meshdepict.voxels.grid_normals import in_voxels
+from meshdepict.voxels.grid_samples import Triple
+from meshdepict.voxels.grid_sums import Piece, halo
 
 if TYPE_CHECKING:
     from meshdepict.transfer import TransferFunction

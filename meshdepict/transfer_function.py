@@ -15,9 +15,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from meshdepict.errors import MeshdepictError
 from meshdepict.io.atomic import atomic_write
-from meshdepict.mesh_input import frozen
 from meshdepict.options import nearest
-from meshdepict.volume_input import check_rescale
+from meshdepict.surface.mesh_input import frozen
+from meshdepict.voxels.volume_input import check_rescale
 
 __all__ = ["AIR", "TransferFunction"]
 

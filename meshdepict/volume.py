@@ -16,8 +16,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from meshdepict.errors import MeshdepictError
 from meshdepict.fingerprint import fingerprint
-from meshdepict.mesh_input import frozen
-from meshdepict.volume_input import (
+from meshdepict.surface.mesh_input import frozen
+from meshdepict.voxels.volume_input import (
     as_list,
     check_rescale,
     checked_direction,

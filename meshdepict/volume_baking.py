@@ -13,12 +13,12 @@ from numpy.typing import NDArray
 
 from meshdepict.baking import refuse_other_scales
 from meshdepict.errors import MeshdepictError
-from meshdepict.grid_samples import shaded_voxels
 from meshdepict.grid_scales import MEMORY, GridSpace, sample_bytes, space_of_mask
-from meshdepict.grid_sums import Piece
 from meshdepict.ladder import Progress
 from meshdepict.scene import View
 from meshdepict.volume_recipe import VolumeRecipe, volume_recipe
+from meshdepict.voxels.grid_samples import shaded_voxels
+from meshdepict.voxels.grid_sums import Piece
 
 if TYPE_CHECKING:
     from meshdepict.transfer import TransferFunction

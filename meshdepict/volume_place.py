@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from meshdepict.grid_samples import Triple
 from meshdepict.volume import Volume
+from meshdepict.voxels.grid_samples import Triple
 
 __all__ = ["Place"]
 

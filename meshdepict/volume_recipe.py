@@ -13,14 +13,14 @@ from numpy.typing import NDArray
 from meshdepict import color
 from meshdepict.baking import find_method
 from meshdepict.errors import MeshdepictError
-from meshdepict.grid_samples import Samples, Triple, grown
 from meshdepict.grid_scales import GridSpace, piece_space
-from meshdepict.grid_sums import Piece
 from meshdepict.ladder import check_ladder, ladder, resolve_width
 from meshdepict.options import check
 from meshdepict.provenance import describe
 from meshdepict.scene import View, as_lighting, as_view
 from meshdepict.threads import each, spans
+from meshdepict.voxels.grid_samples import Samples, Triple, grown
+from meshdepict.voxels.grid_sums import Piece
 
 if TYPE_CHECKING:
     from meshdepict.transfer import TransferFunction

@@ -21,11 +21,11 @@ from typing import Any
 import numpy as np
 
 from meshdepict.grid_scales import GridSpace
-from meshdepict.grid_sums import BINDING, GRADIENT
 from meshdepict.phantom import ct_phantom
 from meshdepict.threads import thread_count
 from meshdepict.volume import Volume
 from meshdepict.volume_baking import bake_volume
+from meshdepict.voxels.grid_sums import BINDING, GRADIENT
 
 
 def row(*cells: object) -> None:

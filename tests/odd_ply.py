@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from meshdepict.mesh import Mesh
-from meshdepict.polygons import as_polygons
+from meshdepict.surface.polygons import as_polygons
 
 CODES = {
     "char": "b", "uchar": "B", "short": "h", "ushort": "H", "int": "i", "uint": "I",

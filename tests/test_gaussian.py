@@ -1,10 +1,10 @@
 import numpy as np
 import pytest
 
-from meshdepict import direct_sums as direct
 from meshdepict import gaussian, samples
-from meshdepict import spectral_sums as spectral
 from meshdepict.gaussian import gaussian_sums
+from meshdepict.sums import direct_sums as direct
+from meshdepict.sums import spectral_sums as spectral
 
 WIDTHS = [0.01, 0.05, 0.2, 1.0, 10.0]
 

@@ -10,8 +10,8 @@ from meshdepict import samples, scale_space
 from meshdepict.errors import MeshdepictError
 from meshdepict.fingerprint import fingerprint
 from meshdepict.gbuffer import GBuffer
+from meshdepict.images.pixels import projected
 from meshdepict.mesh import Mesh
-from meshdepict.pixels import projected
 from meshdepict.scene import VIEWS, View
 from meshdepict.shading import lambert
 

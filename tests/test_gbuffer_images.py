@@ -8,8 +8,8 @@ from PIL import Image
 
 from meshdepict.errors import MeshdepictError, MeshdepictWarning
 from meshdepict.gbuffer import GBuffer
-from meshdepict.image_files import read_image
 from meshdepict.image_scales import image_space
+from meshdepict.images.image_files import read_image
 from meshdepict.scene import View
 from meshdepict.shading import ambient_occlusion
 

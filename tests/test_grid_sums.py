@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from meshdepict import grid_sums
-from meshdepict.gaussian_bands import Band, gaussian_band
-from meshdepict.grid_samples import Samples, grown
-from meshdepict.grid_sums import BINDING, GRADIENT, GridSums, Piece, halo, reach_of
+from meshdepict.voxels import grid_sums
+from meshdepict.voxels.gaussian_bands import Band, gaussian_band
+from meshdepict.voxels.grid_samples import Samples, grown
+from meshdepict.voxels.grid_sums import BINDING, GRADIENT, GridSums, Piece, halo, reach_of
 
 REACH = reach_of(1e-4)
 

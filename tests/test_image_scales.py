@@ -7,10 +7,10 @@ import pytest
 from conftest import angle_between, rotation
 
 from meshdepict import samples, scale_space
-from meshdepict.diffusion import diffusion_width
 from meshdepict.errors import MeshdepictError
 from meshdepict.gbuffer import GBuffer
 from meshdepict.image_scales import FILTERS, image_space
+from meshdepict.images.diffusion import diffusion_width
 from meshdepict.options import options_of
 from meshdepict.scene import View, as_light
 from meshdepict.shading import METHODS

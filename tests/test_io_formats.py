@@ -17,7 +17,7 @@ from meshdepict.io import read, read_mesh, read_provenance, write_mesh
 from meshdepict.io.document import as_bytes
 from meshdepict.io.source import FORMATS, WRITABLE
 from meshdepict.mesh import Mesh
-from meshdepict.polygons import as_polygons
+from meshdepict.surface.polygons import as_polygons
 
 TRIANGLES_ONLY = (".glb", ".gltf")
 ONE_COLOR = (".obj", ".off", ".glb", ".gltf")

@@ -10,7 +10,7 @@ import pytest
 
 from meshdepict.io import read_mesh, read_provenance, write_mesh
 from meshdepict.mesh import Mesh
-from meshdepict.polygons import as_polygons
+from meshdepict.surface.polygons import as_polygons
 
 FACES = "3 0 1 2\n4 0 1 3 2\n"
 POINTS = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0.5]])

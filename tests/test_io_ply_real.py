@@ -13,7 +13,7 @@ from odd_ply import OURS, colors_of, random_colors
 
 from meshdepict.io import read_mesh, read_provenance, write_mesh
 from meshdepict.mesh import Mesh
-from meshdepict.polygons import Polygons, as_polygons
+from meshdepict.surface.polygons import Polygons, as_polygons
 
 REAL = {  # vertices, polygons, after the manifest
     "formats/ply_ascii_inside_out_bunny.ply": (35_947, 69_451),

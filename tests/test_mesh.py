@@ -5,7 +5,7 @@ from conftest import angle_between, rotation, tetrahedron
 from meshdepict import samples
 from meshdepict.errors import MeshdepictError, MeshdepictWarning
 from meshdepict.mesh import Mesh
-from meshdepict.polygons import Polygons
+from meshdepict.surface.polygons import Polygons
 
 # A box of four walls, open at its ends, as quadrilaterals …
 BOX = np.array(

@@ -6,9 +6,9 @@ import plyfile
 import pytest
 from windings import BALL, CUBE, both, flips, inside_out, moved, opened, scrambled, sheet, turned
 
-from meshdepict.edges import cleaned
 from meshdepict.icosahedron import icosphere
-from meshdepict.orientation import orient
+from meshdepict.surface.edges import cleaned
+from meshdepict.surface.orientation import orient
 
 # --- closed surfaces ------------------------------------------------------------------------
 

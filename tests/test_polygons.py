@@ -10,7 +10,7 @@ import pytest
 from conftest import rotation
 
 from meshdepict.errors import MeshdepictError
-from meshdepict.polygons import Polygons, as_polygons, strip_triangles, triangulate
+from meshdepict.surface.polygons import Polygons, as_polygons, strip_triangles, triangulate
 
 
 def area_vectors(points: np.ndarray, triangles: np.ndarray) -> np.ndarray:

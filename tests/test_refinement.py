@@ -7,13 +7,13 @@ from conftest import angle_between
 import meshdepict as md
 from meshdepict import refinement
 from meshdepict.color import linear_to_srgb
-from meshdepict.edges import is_balanced
 from meshdepict.errors import MeshdepictError
 from meshdepict.interpolated_scales import InterpolatedSpace
 from meshdepict.mesh import Mesh
 from meshdepict.samples import sphere as make_sphere
 from meshdepict.samples import torus
 from meshdepict.shading import METHODS, declaration
+from meshdepict.surface.edges import is_balanced
 
 LOCAL = [name for name, function in METHODS.items() if declaration(function).local]
 

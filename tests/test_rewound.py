@@ -5,7 +5,7 @@ import pytest
 
 from meshdepict import Mesh, MeshdepictWarning, samples
 from meshdepict.io.document import Document
-from meshdepict.polygons import as_polygons
+from meshdepict.surface.polygons import as_polygons
 
 
 def lists(mesh):

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from windings import BALL, CUBE, both, flips, inside_out, moved, opened, sheet, tube, turned
 
-from meshdepict.edges import cleaned
 from meshdepict.icosahedron import icosphere
-from meshdepict.orientation import _foretold, orient
-from meshdepict.sidedness import _spread, looks_inward
+from meshdepict.surface.edges import cleaned
+from meshdepict.surface.orientation import _foretold, orient
+from meshdepict.surface.sidedness import _spread, looks_inward
 
 
 @pytest.mark.parametrize("height", [0.98, 0.9])  # openings of about 1 % and 5 % of the area

@@ -2,7 +2,8 @@ import numpy as np
 import pytest
 from conftest import rotation, tetrahedron
 
-from meshdepict import samples, triangles
+from meshdepict import samples
+from meshdepict.surface import triangles
 
 
 def one(*corners):

@@ -2,9 +2,10 @@ import numpy as np
 import pytest
 from conftest import rotation
 
-from meshdepict import samples, welding
+from meshdepict import samples
 from meshdepict.mesh import Mesh
-from meshdepict.welding import normal_groups, same_position
+from meshdepict.surface import welding
+from meshdepict.surface.welding import normal_groups, same_position
 
 
 def sets(labels):

@@ -3,7 +3,7 @@
 import numpy as np
 
 from meshdepict.icosahedron import icosphere
-from meshdepict.orientation import orient
+from meshdepict.surface.orientation import orient
 
 BALL = icosphere(500)
 

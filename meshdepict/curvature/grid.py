@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 
 from meshdepict.curvature.principal import PrincipalCurvatures
 from meshdepict.curvature.tensor import _principal, tangent
-from meshdepict.grid_samples import Samples
 from meshdepict.threads import each, spans, thread_count
+from meshdepict.voxels.grid_samples import Samples
 
 __all__ = ["HESSIAN", "grid_neighbour_cosines", "isosurface_curvatures"]
 

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from meshdepict.errors import MeshdepictError, MeshdepictWarning
 from meshdepict.io.dicom_geometry import stacked_place
 from meshdepict.io.itk import array_of, place_of, reason, simpleitk
-from meshdepict.volume_input import fitting_integer
+from meshdepict.voxels.volume_input import fitting_integer
 
 __all__ = ["Slice", "headers", "is_dicom", "read_dicom"]
 

@@ -14,7 +14,7 @@ from meshdepict.errors import MeshdepictWarning
 
 if TYPE_CHECKING:
     from meshdepict.mesh import Mesh
-    from meshdepict.polygons import Polygons
+    from meshdepict.surface.polygons import Polygons
 
 __all__ = [
     "COLOR",

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshdepict.errors import MeshdepictError
-from meshdepict.polygons import Polygons, strip_triangles
+from meshdepict.surface.polygons import Polygons, strip_triangles
 
 __all__ = ["COMPONENTS", "Part", "Scene"]
 

@@ -15,7 +15,7 @@ from meshdepict.io import text
 from meshdepict.io.document import COLOR, MARK, Contents, Document, Saving, as_bytes, only_colors
 from meshdepict.io.obj_faces import parse_faces
 from meshdepict.io.obj_lines import Lines, joined, line_end, table
-from meshdepict.polygons import Polygons, as_polygons
+from meshdepict.surface.polygons import Polygons, as_polygons
 
 if TYPE_CHECKING:
     from meshdepict.mesh import Mesh

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from meshdepict.errors import MeshdepictError
 from meshdepict.io import text
-from meshdepict.polygons import Polygons
+from meshdepict.surface.polygons import Polygons
 
 __all__ = ["parse_faces"]
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from meshdepict.errors import MeshdepictError
 from meshdepict.io import text
 from meshdepict.io.document import COLOR, MARK, Contents, Document, Saving, as_bytes, only_colors
-from meshdepict.polygons import Polygons, as_polygons
+from meshdepict.surface.polygons import Polygons, as_polygons
 
 if TYPE_CHECKING:
     from meshdepict.mesh import Mesh

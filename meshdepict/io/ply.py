@@ -35,7 +35,7 @@ from meshdepict.io.ply_header import (
 from meshdepict.io.ply_properties import as_properties, exact_float
 from meshdepict.io.ply_rows import Column, Ragged
 from meshdepict.io.ply_text import rewrite_text
-from meshdepict.polygons import Polygons, as_polygons
+from meshdepict.surface.polygons import Polygons, as_polygons
 
 if TYPE_CHECKING:
     from meshdepict.mesh import Mesh

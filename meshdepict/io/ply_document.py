@@ -15,7 +15,7 @@ from meshdepict.io.ply_binary import decode_binary
 from meshdepict.io.ply_header import Element, Header
 from meshdepict.io.ply_rows import Column, Ragged, as_ragged
 from meshdepict.io.ply_text import decode_text
-from meshdepict.polygons import Polygons, as_polygons, strip_triangles
+from meshdepict.surface.polygons import Polygons, as_polygons, strip_triangles
 
 __all__ = [
     "POSITION",

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from meshdepict.polygons import Polygons
+from meshdepict.surface.polygons import Polygons
 
 __all__ = ["corners", "floats", "integers", "rows", "spelled"]
 

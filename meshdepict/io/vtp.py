@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from meshdepict.errors import MeshdepictError, MeshdepictWarning
 from meshdepict.io.document import COLOR, Contents, Document, Saving, recolored
 from meshdepict.io.ply_properties import exact_float
-from meshdepict.polygons import Polygons, as_polygons
+from meshdepict.surface.polygons import Polygons, as_polygons
 
 if TYPE_CHECKING:
     from meshdepict.mesh import Mesh

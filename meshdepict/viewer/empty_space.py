@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from meshdepict.grid_samples import grown
+from meshdepict.voxels.grid_samples import grown
 
 __all__ = ["BLOCK", "clearance"]
 

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from meshdepict.errors import MeshdepictError
-from meshdepict.polygons import Polygons
+from meshdepict.surface.polygons import Polygons
 
 __all__ = ["check_indices", "checked_attributes", "checked_vertices", "frozen"]
 

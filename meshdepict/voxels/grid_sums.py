@@ -17,8 +17,8 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from meshdepict.gaussian_bands import Band, gaussian_band
-from meshdepict.grid_samples import Samples, Triple
+from meshdepict.voxels.gaussian_bands import Band, gaussian_band
+from meshdepict.voxels.grid_samples import Samples, Triple
 
 __all__ = ["BINDING", "GRADIENT", "Grid", "GridSums", "Piece", "halo", "reach_of"]
 
@@ -134,7 +134,7 @@ class GridSums:
         done : callable, optional
             Told the share of the work after each part of it.
         """
-        from meshdepict.gaussian_gradient import at_voxels
+        from meshdepict.voxels.gaussian_gradient import at_voxels
 
         first, second = _two_steps(self.grid.shape, widths, self.reach, 1 + np.max(orders))
         read = self.grid.read if first is None else self._thinned(first, second)
@@ -155,7 +155,7 @@ class GridSums:
         self, first: list[Band], second: list[Band]
     ) -> Callable[[Triple, Triple, Any], NDArray[Any]]:
         """Smooth onto the coarser grid, as far as the samples need it; return its reader."""
-        from meshdepict.gaussian_gradient import resample
+        from meshdepict.voxels.gaussian_gradient import resample
 
         ends = zip(second, self.samples.low, self.samples.high, strict=True)
         ranges = [band.inputs(a, b) for band, a, b in ends]

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from meshdepict.grid_samples import Samples, Triple
+from meshdepict.voxels.grid_samples import Samples, Triple
 
 if TYPE_CHECKING:
     from meshdepict.volume import Volume

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from meshdepict.welding import same_position
+from meshdepict.surface.welding import same_position
 
 __all__ = ["Cleaned", "Edges", "cleaned", "connected", "is_balanced"]
 

@@ -13,8 +13,8 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from meshdepict.gaussian_bands import Band
 from meshdepict.threads import each, spans, thread_count
+from meshdepict.voxels.gaussian_bands import Band
 
 __all__ = ["at_voxels", "normalise", "resample"]
 

@@ -14,8 +14,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from meshdepict.edges import Edges, cleaned, connected, is_balanced
-from meshdepict.sidedness import looks_inward
+from meshdepict.surface.edges import Edges, cleaned, connected, is_balanced
+from meshdepict.surface.sidedness import looks_inward
 
 __all__ = ["Orientation", "orient"]
 

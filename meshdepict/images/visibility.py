@@ -22,7 +22,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from meshdepict.pixels import projected
+from meshdepict.images.pixels import projected
 from meshdepict.threads import each, spans, thread_count
 
 if TYPE_CHECKING:

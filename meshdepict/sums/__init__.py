@@ -1,0 +1,1 @@
+"""Gaussian sums over points, two ways; `gaussian` chooses."""

@@ -1,0 +1,1 @@
+"""What the scale space of a volume is computed from: Gaussians along axes, sums on grids."""
