@@ -15,7 +15,7 @@ import numpy as np
 from meshdepict.baked import Baked
 from meshdepict.baking import as_mesh, bake, find_method
 from meshdepict.errors import MeshdepictError
-from meshdepict.options import check, options_of
+from meshdepict.options import check, nearest, options_of
 from meshdepict.scales import ScaleSpace, scale_space
 from meshdepict.shading import METHODS, declaration
 from meshdepict.sheet import SCALARS, height_sheet, scalar_array
@@ -52,6 +52,13 @@ class Depict:
         self._dataset = dataset
         self._surface: _Surface | None = None
         self._voxels: tuple[Any, Any] = (None, None)
+
+    def __getattr__(self, name: str) -> Any:
+        """Say what is near to an unknown method."""
+        raise AttributeError(
+            f"mesh.depict has no method {name!r}{nearest(name, METHODS)} (there are "
+            f"{', '.join(METHODS)})"
+        )
 
     def __call__(self, method: str = "exaggerated", **settings: Any) -> Any:
         """Shade by a method of `shading.METHODS`; keywords as for `bake`.
@@ -160,9 +167,13 @@ def _kind(dataset: Any) -> str:
     if hasattr(dataset, "direction_matrix"):
         return "heights" if 1 in dataset.dimensions else "volume"
     raise MeshdepictError(
-        f"a {type(dataset).__name__} has no surface of its own to shade: take "
+        f"{_a(type(dataset).__name__)} has no surface of its own to shade: take "
         ".extract_surface() first"
     )
+
+
+def _a(name: str) -> str:
+    return f"an {name}" if name[:1] in "AEIOU" else f"a {name}"
 
 
 def _stamp(dataset: Any, scalars: str | None) -> Any:

@@ -175,6 +175,7 @@ def _facts(found: Comparison) -> dict[str, str]:
             if options
         },
         "scale space": options_text(settings),
+        "lights": "; ".join(map(str, found.lights)),
         "view": str(found.view),
         "picture": f"{width} x {height} pixels",
         found.shape.kind: found.shape.identity,
@@ -205,7 +206,8 @@ _PAGE = """<!doctype html>
 <html lang="en"><meta charset="utf-8"><meta name="generator" content="{software}">
 <title>{title}</title>
 <style>
-body {{ font: 15px/1.5 system-ui, sans-serif; margin: 2rem auto; max-width: 75rem; color: #222; }}
+body {{ font: 15px/1.5 system-ui, sans-serif; color: #222; }}
+body {{ margin: 2rem auto; padding: 0 1rem; max-width: 75rem; }}
 img {{ max-width: 100%; }}
 .wide {{ overflow-x: auto; }} .wide img {{ max-width: none; height: 60rem; max-height: 90vh; }}
 table {{ border-collapse: collapse; font-size: 12px; font-variant-numeric: tabular-nums; }}

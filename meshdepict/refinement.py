@@ -95,7 +95,9 @@ def refine(
         For a number of levels that is none.
     """
     if isinstance(levels, bool) or not 0 < levels <= 255:
-        raise MeshdepictError(f"refine={levels!r} is not a number of grey levels, 0 … 255")
+        raise MeshdepictError(
+            f"refine={levels!r} is not a number of grey levels above 0 and up to 255"
+        )
     mesh = space.shape
     faces, owner = mesh.faces, np.arange(len(mesh.faces))
     count = len(mesh.vertices)

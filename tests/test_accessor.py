@@ -157,7 +157,7 @@ def test_wrong_words_are_one_sentence(poly, spaces):
 
 @pytest.mark.parametrize("kind", [pv.UnstructuredGrid, pv.StructuredGrid, pv.RectilinearGrid])
 def test_datasets_without_a_surface_say_what_to_do(kind):
-    with pytest.raises(MeshdepictError, match=rf"a {kind.__name__} has .*\.extract_surface\(\)"):
+    with pytest.raises(MeshdepictError, match=rf"an? {kind.__name__} has .*\.extract_surface\(\)"):
         kind().depict.lambert()
 
 
@@ -369,3 +369,8 @@ def test_notebooks_show_it(backend, tmp_path):
     else:
         assert "<iframe" in results[0]["text/plain"]
         assert results[2]["text/plain"] == "True"
+
+
+def test_an_unknown_method_names_the_nearest():
+    with pytest.raises(AttributeError, match="no method 'exagerated'; did you mean 'exaggerated'"):
+        pv.Sphere().depict.exagerated()

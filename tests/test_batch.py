@@ -409,3 +409,10 @@ def test_a_page_that_turns_is_a_format_like_others(run, ball_ply, folder):
     status, _, err = run(*words)
     assert (status, len(err)) == (2, 1)
     assert (folder / "ball.html").read_text() == "<html>mine"
+
+
+@pytest.mark.parametrize("word", ["--size 30x40", "--scale-bar", "--unit mm", "--dpi 100"])
+def test_words_about_a_picture_want_one(run, ball_ply, word):
+    status, out, (sentence,) = run("bake", "ball.ply", *word.split())
+    assert (status, out) == (2, [])
+    assert f"{word.split()[0]} is about a picture: give --picture, too" in sentence

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from PIL import Image
 
 import meshdepict as md
 from meshdepict import MeshdepictError, samples
@@ -40,10 +41,13 @@ def test_a_size_is_in_pixels_or_on_paper(given, dpi, pixels, dots):
         ({"size": (10.5, 10)}, "whole numbers"),
         ({"size": (0, 10)}, "0x10 pixels: 1 to 16384"),
         ({"size": "90x90cm", "dpi": 600}, "21260x21260 pixels"),
-        ({"dpi": 0}, "dpi=0 is not a positive number"),
-        ({"dpi": "many"}, "dpi='many' is not a positive number"),
-        ({"pixels_per_unit": -1}, "pixels_per_unit=-1 is not a positive"),
-        ({"pixels_per_unit": float("nan")}, "pixels_per_unit=nan is not a positive"),
+        ({"dpi": 0}, "dpi=0 is not a number of dots per inch above 0"),
+        ({"dpi": "many"}, "dpi='many' is not a number of dots per inch above 0"),
+        ({"pixels_per_unit": -1}, "pixels_per_unit=-1 is not a number of pixels above 0"),
+        (
+            {"pixels_per_unit": float("nan")},
+            "pixels_per_unit=nan is not a number of pixels",
+        ),
         ({"background": "red"}, "none of transparent, white, paper and no #rrggbb"),
         ({"background": "#12345"}, "no #rrggbb"),
         ({"background": 7}, "no #rrggbb"),
@@ -119,3 +123,17 @@ def test_a_line_seen_end_on_has_a_frame():
     line = md.Mesh([(0, 0, 0), (0, 0, 1), (0, 0, 2)], [[0, 1, 2]], winding="keep")
     framing = frame(md.View.fitted("front", line), line, Figure())
     assert np.isfinite(framing.pixels_per_unit)
+
+
+@pytest.mark.parametrize("scale", [1e-3, 0.5, 3, 20])
+@pytest.mark.parametrize("background", ["white", "transparent"])
+def test_a_picture_of_a_speck_still_has_room_for_its_scale_bar(tmp_path, scale, background):
+    baked = md.bake(md.samples.sphere(50), "lambert")
+    path = baked.picture(
+        tmp_path / "speck.png", pixels_per_unit=scale, scale_bar=True, background=background
+    )
+    image = np.asarray(Image.open(path).convert("RGB")).astype(int)
+    assert image.shape[1] >= 100
+    strip = image[image.shape[0] // 3 :]
+    assert (strip.min(axis=2) < 100).sum() > 40  # bar and letters
+    assert (strip[:, -3:].min(axis=2) > 200).all() or background == "transparent"  # none cut off

@@ -80,6 +80,12 @@ def bake(
     from meshdepict.viewer.figure import Figure
 
     threads.limit(cores)
+    if picture is None:
+        for word in ("size", "dpi", "background", "scale_bar", "unit", "pixels_per_unit"):
+            if word in given:
+                raise MeshdepictError(
+                    f"--{word.replace('_', '-')} is about a picture: give --picture, too"
+                )
     if fix_winding and winding == "keep":
         raise MeshdepictError("--fix-winding writes what --winding keep forbids: give one of them")
     figure = Figure(

@@ -105,7 +105,7 @@ def volume(
         **parameters.method_options(method, options or []),
     }  # fmt: skip
     box = dict(_span(text) for text in clip or [])
-    if output is None and picture is None and before is None:
+    if output is None and picture is None:
         picture = Path(f"{name}-{method}.png")
     beside = picture or before or Path(f"{name}-{method}.png")
     cuts = {

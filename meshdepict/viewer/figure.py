@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from meshdepict.errors import MeshdepictError
+from meshdepict.options import nearest
 
 __all__ = ["Figure", "check_pixels"]
 
@@ -60,7 +61,9 @@ class Figure:
         for name, what in (("dpi", "dots per inch"), ("pixels_per_unit", "pixels")):
             value = getattr(self, name)
             if value is not None and not (_is_number(value) and 0 < value < 1e9):
-                raise MeshdepictError(f"{name}={value!r} is not a positive number of {what}")
+                raise MeshdepictError(
+                    f"{name}={value!r} is not a number of {what} above 0 and below 1e9"
+                )
         object.__setattr__(self, "_ground", _ground(self.background))
         size, dpi = _pixels(self.size, self.dpi)
         if size is not None:
@@ -131,6 +134,7 @@ def _ground(background: str) -> tuple[int, int, int] | None:
         return red, green, blue
     raise MeshdepictError(
         f"background={background!r} is none of {', '.join(_GROUNDS)} and no #rrggbb"
+        f"{nearest(str(background), _GROUNDS)}"
     )
 
 

@@ -46,6 +46,9 @@ class Framing:
         return self.size[0], self.size[1] - self.strip
 
 
+_BAR_ROOM = 14  # width of a picture with a scale bar, in heights of letters
+
+
 def frame(view: View, shape: Any, figure: Figure, *, turning: bool = False) -> Framing:
     """Place a shape in a figure.
 
@@ -134,6 +137,8 @@ def _grown(extent: Any, figure: Figure) -> tuple[int, int]:
     """Return the size of a picture that an object decides, with room for margin and scale bar."""
     per_unit = figure.pixels_per_unit or 1.0
     width, height = (int(x) for x in np.minimum(np.ceil(extent * per_unit * _MARGIN) + 2, 1e9))
+    if figure.scale_bar:  # which has to fit beside its label, however small the object
+        width = max(width, _BAR_ROOM * figure.letters((width, height)))
     size = width, height + (3 * figure.letters((width, height)) if figure.scale_bar else 0)
     check_pixels(size, f" at {per_unit:g} pixels per unit")
     return size

@@ -74,13 +74,23 @@ def draw_scale_bar(image: Any, framing: Framing, figure: Figure) -> None:
     left, middle = round(letters * 1.2), height - strip // 2
     top, bottom = middle - thick // 2, middle - thick // 2 + thick - 1
     pen = ImageDraw.Draw(image)
+    if length < bar.parts * 2 * line:  # a picture of a few pixels has no room for a bar
+        return
     ends = [left + round(length * i / bar.parts) for i in range(bar.parts + 1)]
     pen.rectangle((left, top, ends[-1] - 1, bottom), fill=ink)
     for i in range(1, bar.parts, 2):  # from edge to edge it is as long as it says
         edge = line if i == bar.parts - 1 else 0
         pen.rectangle((ends[i], top + line, ends[i + 1] - 1 - edge, bottom - line), fill=fill)
     font = _font(bar.label, letters)
-    pen.text((ends[-1] + letters * 0.6, (top + bottom) / 2), bar.label, ink, font, anchor="lm")
+    place = ends[-1] + letters * 0.6, (top + bottom) / 2
+    if ground is None:  # legible on any page: a bright rim round bar and label
+        rim = 2 * line
+        pen.rectangle(
+            (left - line, top - line, ends[-1] - 1 + line, bottom + line), outline=fill, width=line
+        )
+        pen.text(place, bar.label, ink, font, anchor="lm", stroke_width=rim, stroke_fill=fill)
+    else:
+        pen.text(place, bar.label, ink, font, anchor="lm")
 
 
 def _luma(color: tuple[int, int, int]) -> float:

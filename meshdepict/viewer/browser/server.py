@@ -80,6 +80,7 @@ def serve(
     def started(address: str) -> None:
         sys.stdout.write(f"{address}\n")
         sys.stdout.flush()
+        complain("open this address in a browser; Ctrl+C ends it")
         if open_browser:
             threading.Thread(target=webbrowser.open, args=(address,), daemon=True).start()
         if ready is not None:
