@@ -146,7 +146,7 @@ class Baked:
             Where there is no display.
         """
         self._require_mesh()
-        from meshdepict.viewer.showing import show
+        from meshdepict.viewer.windows.showing import show
 
         return show(self, **plotter)
 
@@ -167,7 +167,7 @@ class Baked:
         ----------
         path : path
         size, dpi, background, scale_bar, unit, pixels_per_unit
-            See `viewer.figure.Figure`: ``size="12x9cm", dpi=300, background="paper"``.
+            See `viewer.drawing.figure.Figure`: ``size="12x9cm", dpi=300, background="paper"``.
 
         Raises
         ------
@@ -175,7 +175,7 @@ class Baked:
             For another suffix, sizes and scales that are impossible or leave no room for the
             object, and where the file can't be written.
         """
-        from meshdepict.viewer.picture import save_image, save_picture
+        from meshdepict.viewer.drawing.picture import save_image, save_picture
 
         if self.shape.kind == "image":
             return save_image(self, path, background=background)

@@ -24,9 +24,9 @@ from meshdepict.io import read_mesh
 from meshdepict.io.source import FORMATS, WRITABLE, suffix_of
 from meshdepict.scene import as_view
 from meshdepict.targets import check_target
-from meshdepict.viewer.figure import Figure
-from meshdepict.viewer.framing import check_scale, frame
-from meshdepict.viewer.picture import check_picture, save_picture
+from meshdepict.viewer.drawing.figure import Figure
+from meshdepict.viewer.drawing.framing import check_scale, frame
+from meshdepict.viewer.drawing.picture import check_picture, save_picture
 
 if TYPE_CHECKING:
     from meshdepict.mesh import Mesh

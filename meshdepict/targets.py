@@ -64,11 +64,11 @@ def _is_ours(path: Path) -> bool:
     """Whether this program wrote an existing file: its provenance says so."""
     kind = path.suffix.lower()
     if kind == ".png":
-        from meshdepict.viewer.picture import read_picture_provenance
+        from meshdepict.viewer.drawing.picture import read_picture_provenance
 
         return read_picture_provenance(path) is not None
     if kind in (".mp4", ".gif"):
-        from meshdepict.viewer.encoding import read_movie_provenance
+        from meshdepict.viewer.drawing.encoding import read_movie_provenance
 
         return read_movie_provenance(path) is not None
     if kind in _MARKS:

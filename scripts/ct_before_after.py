@@ -18,8 +18,8 @@ from PIL import Image
 
 from meshdepict.io.volumes import read_volume
 from meshdepict.samples import ct_phantom
-from meshdepict.viewer.figure import Figure
-from meshdepict.viewer.volume_picture import draw_volume
+from meshdepict.viewer.drawing.figure import Figure
+from meshdepict.viewer.drawing.volume_picture import draw_volume
 from meshdepict.volume import Volume
 from meshdepict.volume_baking import bake_volume
 

@@ -4,8 +4,8 @@ import numpy as np
 import pyvista as pv
 
 import meshdepict as md
+from meshdepict.viewer.drawing.picture import plot
 from meshdepict.viewer.live import LiveShading
-from meshdepict.viewer.picture import plot
 
 SIZE = (300, 300)
 

@@ -10,10 +10,10 @@ from meshdepict.errors import MeshdepictError
 from meshdepict.scales import scale_space
 from meshdepict.scene import View
 from meshdepict.transfer import TransferFunction
-from meshdepict.viewer.canvas import place
+from meshdepict.viewer.drawing.canvas import place
+from meshdepict.viewer.drawing.volume_scene import add_baked
 from meshdepict.viewer.live import live_methods, look, volume_shading
 from meshdepict.viewer.live.volume_shading import LiveVolume
-from meshdepict.viewer.volume_scene import add_baked
 from meshdepict.volume_baking import bake_volume
 
 pv = pytest.importorskip("pyvista")

@@ -9,11 +9,16 @@ from PIL import Image, ImageSequence
 import meshdepict as md
 from meshdepict import MeshdepictError, samples
 from meshdepict.lights import Lights
-from meshdepict.viewer import encoding
-from meshdepict.viewer.encoding import gif_speed, read_movie_provenance, write_gif, write_mp4
-from meshdepict.viewer.figure import Figure
-from meshdepict.viewer.motion import circling, rotation, turned, turned_light
-from meshdepict.viewer.movie import check_movie, save_movie
+from meshdepict.viewer.drawing import encoding
+from meshdepict.viewer.drawing.encoding import (
+    gif_speed,
+    read_movie_provenance,
+    write_gif,
+    write_mp4,
+)
+from meshdepict.viewer.drawing.figure import Figure
+from meshdepict.viewer.drawing.motion import circling, rotation, turned, turned_light
+from meshdepict.viewer.drawing.movie import check_movie, save_movie
 from meshdepict.viewer.session import Session
 
 SMALL = Figure(size=(60, 50))

@@ -10,7 +10,7 @@ import meshdepict as md
 from meshdepict import bake_volume
 from meshdepict.errors import MeshdepictError
 from meshdepict.io.volumes import read_volume, write_volume
-from meshdepict.viewer.slices import draw_slice
+from meshdepict.viewer.drawing.slices import draw_slice
 
 
 @pytest.fixture

@@ -11,14 +11,14 @@ from meshdepict import color
 from meshdepict.errors import MeshdepictError
 from meshdepict.isosurface import isosurface
 from meshdepict.transfer import TransferFunction
-from meshdepict.viewer import empty_space, volume_rays, volume_scene
-from meshdepict.viewer.canvas import canvas, place
-from meshdepict.viewer.empty_space import BLOCK, clearance
-from meshdepict.viewer.figure import Figure
-from meshdepict.viewer.framing import frame
-from meshdepict.viewer.volume_picture import draw_volume
-from meshdepict.viewer.volume_rays import LEVELS
-from meshdepict.viewer.volume_scene import (
+from meshdepict.viewer.drawing import empty_space, volume_rays, volume_scene
+from meshdepict.viewer.drawing.canvas import canvas, place
+from meshdepict.viewer.drawing.empty_space import BLOCK, clearance
+from meshdepict.viewer.drawing.figure import Figure
+from meshdepict.viewer.drawing.framing import frame
+from meshdepict.viewer.drawing.volume_picture import draw_volume
+from meshdepict.viewer.drawing.volume_rays import LEVELS
+from meshdepict.viewer.drawing.volume_scene import (
     add_baked,
     add_rgba,
     levels_of,
@@ -132,7 +132,7 @@ def test_without_a_shader_colours_are_nearly_the_same(monkeypatch):
     with_shader = drawn(baked)
     calls = []
     monkeypatch.setattr(
-        "meshdepict.viewer.volume_picture.add_rgba",
+        "meshdepict.viewer.drawing.volume_picture.add_rgba",
         lambda window, baked: calls.append(1) or add_rgba(window, baked),
     )
     monkeypatch.setattr(volume_scene, "_LIGHT", "no GLSL")

@@ -8,12 +8,12 @@ from meshdepict.errors import MeshdepictError
 from meshdepict.io.volumes import read_volume
 from meshdepict.samples import ct_phantom
 from meshdepict.transfer import PRESETS, TransferFunction
-from meshdepict.viewer import volume_scene
-from meshdepict.viewer.clipping_box import ClippingBox
-from meshdepict.viewer.picture import read_picture_provenance
-from meshdepict.viewer.volume_keys import KEYS, action_of, help_text
-from meshdepict.viewer.volume_session import VolumeSession
-from meshdepict.viewer.volume_window import VolumeWindow, show_volume
+from meshdepict.viewer.drawing import volume_scene
+from meshdepict.viewer.drawing.picture import read_picture_provenance
+from meshdepict.viewer.windows.clipping_box import ClippingBox
+from meshdepict.viewer.windows.volume_keys import KEYS, action_of, help_text
+from meshdepict.viewer.windows.volume_session import VolumeSession
+from meshdepict.viewer.windows.volume_window import VolumeWindow, show_volume
 from meshdepict.volume_baking import bake_volume
 
 pytest.importorskip("pyvista")

@@ -11,12 +11,13 @@ from meshdepict.errors import MeshdepictError
 from meshdepict.mesh import Mesh
 from meshdepict.recipe import load_recipe
 from meshdepict.shading import METHODS
-from meshdepict.viewer import display, window_events
-from meshdepict.viewer import preview as preview_module
-from meshdepict.viewer.camera import camera_view, same_sight
-from meshdepict.viewer.keys import KEYS
+from meshdepict.viewer import display
 from meshdepict.viewer.session import Session
-from meshdepict.viewer.window import Window
+from meshdepict.viewer.windows import preview as preview_module
+from meshdepict.viewer.windows import window_events
+from meshdepict.viewer.windows.camera import camera_view, same_sight
+from meshdepict.viewer.windows.keys import KEYS
+from meshdepict.viewer.windows.window import Window
 
 pytest.importorskip("pyvista")
 

@@ -13,24 +13,24 @@ from meshdepict.recipe import load_recipe
 from meshdepict.scales import scale_space
 from meshdepict.scene import VIEWS, Light, Lights, View, as_light
 from meshdepict.shading import METHODS
-from meshdepict.viewer import exports
-from meshdepict.viewer.camera import (
+from meshdepict.viewer.controls import Control
+from meshdepict.viewer.drawing.canvas import place
+from meshdepict.viewer.light_drag import angles, carried, dragged, lights_of
+from meshdepict.viewer.session import Session
+from meshdepict.viewer.windows import exports
+from meshdepict.viewer.windows.camera import (
     camera_view,
     project_in_parallel,
     project_in_perspective,
     same_sight,
 )
-from meshdepict.viewer.canvas import place
-from meshdepict.viewer.controls import Control
-from meshdepict.viewer.cycle import colormaps, next_method, other
-from meshdepict.viewer.keys import KEYS, POINTER, action_of, help_text, hint
-from meshdepict.viewer.light_drag import angles, carried, dragged, lights_of
-from meshdepict.viewer.option_panel import readable
-from meshdepict.viewer.preview import Pace, Proxy
-from meshdepict.viewer.reopened import session_of
-from meshdepict.viewer.session import Session
-from meshdepict.viewer.status import light_line, view_line
-from meshdepict.viewer.wipe import wipe_normal
+from meshdepict.viewer.windows.cycle import colormaps, next_method, other
+from meshdepict.viewer.windows.keys import KEYS, POINTER, action_of, help_text, hint
+from meshdepict.viewer.windows.option_panel import readable
+from meshdepict.viewer.windows.preview import Pace, Proxy
+from meshdepict.viewer.windows.reopened import session_of
+from meshdepict.viewer.windows.status import light_line, view_line
+from meshdepict.viewer.windows.wipe import wipe_normal
 
 pv = pytest.importorskip("pyvista")
 

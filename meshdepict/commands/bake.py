@@ -77,7 +77,7 @@ def bake(
     from meshdepict.batch import Batch, check_settings
     from meshdepict.recipe import load_recipe, merge_recipe
     from meshdepict.recipe import save_recipe as write_recipe
-    from meshdepict.viewer.figure import Figure
+    from meshdepict.viewer.drawing.figure import Figure
 
     threads.limit(cores)
     if picture is None:

@@ -72,8 +72,8 @@ def movie(
     """
     from meshdepict.console import notes, progress_bar
     from meshdepict.targets import check_target
-    from meshdepict.viewer.figure import Figure
-    from meshdepict.viewer.movie import check_movie, save_movie
+    from meshdepict.viewer.drawing.figure import Figure
+    from meshdepict.viewer.drawing.movie import check_movie, save_movie
     from meshdepict.viewer.session import Session
 
     start = time.perf_counter()

@@ -98,7 +98,7 @@ def view(
 
         serve(session, port=port, open_browser=not no_open, title=name)
         return 0
-    from meshdepict.viewer.window import Window
+    from meshdepict.viewer.windows.window import Window
 
     window = Window(session, name=name, off_screen=frames is not None)
     if not quiet:
@@ -118,7 +118,7 @@ def _show_volume(
 ) -> int:
     """Open the window for volumes."""
     from meshdepict.viewer.display import check_display
-    from meshdepict.viewer.volume_window import show_volume
+    from meshdepict.viewer.windows.volume_window import show_volume
 
     if browser:
         raise MeshdepictError(f"{source} is a volume: the browser shows meshes alone so far")

@@ -17,7 +17,7 @@ from meshdepict.errors import MeshdepictError
 __all__ = ["volume"]
 
 if TYPE_CHECKING:
-    from meshdepict.viewer.figure import Figure
+    from meshdepict.viewer.drawing.figure import Figure
     from meshdepict.volume import Volume
 
 
@@ -90,7 +90,7 @@ def volume(
     force
         Replace existing files that meshdepict didn't write.
     """
-    from meshdepict.viewer.figure import Figure
+    from meshdepict.viewer.drawing.figure import Figure
 
     threads.limit(cores)
     start = time.perf_counter()
@@ -139,7 +139,7 @@ def _shade_surface(
     """Bake the isosurface, write what is asked for and say what it was."""
     from meshdepict.baking import bake
     from meshdepict.isosurface import isosurface
-    from meshdepict.viewer.picture import save_picture
+    from meshdepict.viewer.drawing.picture import save_picture
 
     done = bake(isosurface(grid, value), progress=progress, **asked)
     if output is not None:
@@ -160,9 +160,9 @@ def _shade_voxels(
     figure: Figure,
 ) -> str:
     """Bake the voxels, write what is asked for and say how many they were."""
-    from meshdepict.viewer.picture import write_picture
-    from meshdepict.viewer.slices import draw_slice
-    from meshdepict.viewer.volume_picture import save_volume_picture
+    from meshdepict.viewer.drawing.picture import write_picture
+    from meshdepict.viewer.drawing.slices import draw_slice
+    from meshdepict.viewer.drawing.volume_picture import save_volume_picture
     from meshdepict.volume_baking import bake_volume
 
     baked = bake_volume(grid, progress=progress, **asked)
@@ -184,7 +184,7 @@ def _check_targets(
     from meshdepict.io.source import WRITABLE, suffix_of
     from meshdepict.io.volumes import WRITABLE_VOLUMES
     from meshdepict.targets import check_target
-    from meshdepict.viewer.picture import check_picture
+    from meshdepict.viewer.drawing.picture import check_picture
 
     if output is not None:
         wanted = tuple(WRITABLE if mesh else WRITABLE_VOLUMES)

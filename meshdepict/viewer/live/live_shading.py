@@ -63,8 +63,8 @@ class LiveShading(LiveLook):
     Attributes
     ----------
     actor : vtkActor
-        For ``plotter.add_actor``. Positions are recentred, (points − centre) / diagonal, as in
-        `viewer.picture.plot`. Its vertices are in the mesh's order, its triangles in another.
+        For ``plotter.add_actor``. Positions are recentred, (points − centre) / diagonal, as those
+        of `drawing.picture.plot`. Its vertices are in the mesh's order, its triangles in another.
 
     Raises
     ------

@@ -19,6 +19,13 @@ from meshdepict.color import quantise
 from meshdepict.errors import MeshdepictError
 from meshdepict.grid_scales import GridSpace
 from meshdepict.scene import View
+from meshdepict.viewer.drawing.volume_rays import march, volume_actor
+from meshdepict.viewer.drawing.volume_scene import (
+    levels_of,
+    sample_box,
+    transfer_classes,
+    transfer_window,
+)
 from meshdepict.viewer.live import encoding, octahedral
 from meshdepict.viewer.live.look import (
     LiveLook,
@@ -29,13 +36,6 @@ from meshdepict.viewer.live.look import (
     switches,
 )
 from meshdepict.viewer.live.shader import SURROUNDINGS, set_uniforms
-from meshdepict.viewer.volume_rays import march, volume_actor
-from meshdepict.viewer.volume_scene import (
-    levels_of,
-    sample_box,
-    transfer_classes,
-    transfer_window,
-)
 
 __all__ = ["LiveVolume"]
 

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Any
 
 from meshdepict.errors import MeshdepictError
 from meshdepict.viewer.display import check_display
-from meshdepict.viewer.picture import plot
-from meshdepict.viewer.reopened import session_of
-from meshdepict.viewer.window import Window
+from meshdepict.viewer.drawing.picture import plot
+from meshdepict.viewer.windows.reopened import session_of
+from meshdepict.viewer.windows.window import Window
 
 if TYPE_CHECKING:
     from meshdepict.baked import Baked

@@ -7,9 +7,9 @@ from collections.abc import Callable
 from typing import Any
 
 from meshdepict.viewer.controls import Control, controls
-from meshdepict.viewer.cycle import other
-from meshdepict.viewer.labels import INK, label
 from meshdepict.viewer.session import Session
+from meshdepict.viewer.windows.cycle import other
+from meshdepict.viewer.windows.labels import INK, label
 
 __all__ = ["SLIDERS", "OptionPanel", "readable"]
 

@@ -7,15 +7,15 @@ from functools import cached_property
 from typing import Any
 
 from meshdepict.viewer.display import check_opengl
-from meshdepict.viewer.keys import help_text
-from meshdepict.viewer.labels import label
-from meshdepict.viewer.light_gizmo import LightGizmo
-from meshdepict.viewer.lit_object import NO_CARD
-from meshdepict.viewer.option_panel import OptionPanel
-from meshdepict.viewer.ruler import Ruler
 from meshdepict.viewer.session import Session
-from meshdepict.viewer.status import light_line, view_line
-from meshdepict.viewer.wipe import Wipe
+from meshdepict.viewer.windows.keys import help_text
+from meshdepict.viewer.windows.labels import label
+from meshdepict.viewer.windows.light_gizmo import LightGizmo
+from meshdepict.viewer.windows.lit_object import NO_CARD
+from meshdepict.viewer.windows.option_panel import OptionPanel
+from meshdepict.viewer.windows.ruler import Ruler
+from meshdepict.viewer.windows.status import light_line, view_line
+from meshdepict.viewer.windows.wipe import Wipe
 
 __all__ = ["Scenery"]
 
@@ -155,7 +155,7 @@ class Scenery:
 
     def _follow_camera(self) -> None:
         """Bring what depends on the camera up to date; VTK calls it at the start of a frame."""
-        from meshdepict.viewer.camera import camera_view
+        from meshdepict.viewer.windows.camera import camera_view
 
         camera, (width, height) = self.plotter.camera, self.picture_size
         shape = self._session.shape

@@ -7,11 +7,11 @@ from typing import Any
 from meshdepict.baking import find_method
 from meshdepict.errors import MeshdepictError
 from meshdepict.options import options_of
-from meshdepict.viewer.lit_object import NO_CARD
+from meshdepict.viewer.drawing.volume_scene import add_baked, add_plain, add_rgba, repaint
 from meshdepict.viewer.live.shader import caught_errors
 from meshdepict.viewer.live.volume_shading import LiveVolume
-from meshdepict.viewer.volume_scene import add_baked, add_plain, add_rgba, repaint
-from meshdepict.viewer.volume_session import VolumeSession
+from meshdepict.viewer.windows.lit_object import NO_CARD
+from meshdepict.viewer.windows.volume_session import VolumeSession
 
 __all__ = ["LitVolume"]
 

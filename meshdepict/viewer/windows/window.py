@@ -13,16 +13,16 @@ from typing import Any
 
 from meshdepict.errors import MeshdepictError
 from meshdepict.scene import View
-from meshdepict.viewer.actions import Actions
-from meshdepict.viewer.camera import camera_view, same_sight
-from meshdepict.viewer.canvas import place
-from meshdepict.viewer.figure import Figure
-from meshdepict.viewer.framing import frame
-from meshdepict.viewer.lit_object import LitObject
-from meshdepict.viewer.preview import Pace
-from meshdepict.viewer.scenery import Scenery
+from meshdepict.viewer.drawing.canvas import place
+from meshdepict.viewer.drawing.figure import Figure
+from meshdepict.viewer.drawing.framing import frame
 from meshdepict.viewer.session import Session
-from meshdepict.viewer.window_events import bind, only_errors, run_loop
+from meshdepict.viewer.windows.actions import Actions
+from meshdepict.viewer.windows.camera import camera_view, same_sight
+from meshdepict.viewer.windows.lit_object import LitObject
+from meshdepict.viewer.windows.preview import Pace
+from meshdepict.viewer.windows.scenery import Scenery
+from meshdepict.viewer.windows.window_events import bind, only_errors, run_loop
 
 __all__ = ["Window"]
 

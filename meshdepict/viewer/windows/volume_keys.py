@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from meshdepict.viewer.keys import POINTER, Key
+from meshdepict.viewer.windows.keys import POINTER, Key
 
 __all__ = ["KEYS", "action_of", "help_text"]
 

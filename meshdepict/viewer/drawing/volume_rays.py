@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshdepict.errors import MeshdepictError
-from meshdepict.viewer.empty_space import BLOCK, clearance
+from meshdepict.viewer.drawing.empty_space import BLOCK, clearance
 
 if TYPE_CHECKING:
     from meshdepict.volume import Volume

@@ -7,12 +7,12 @@ from typing import Any
 from meshdepict.errors import MeshdepictError
 from meshdepict.scene import VIEWS
 from meshdepict.transfer import PRESETS
-from meshdepict.viewer.cycle import next_method, other
-from meshdepict.viewer.exports import free_path
-from meshdepict.viewer.figure import Figure
-from meshdepict.viewer.keys import hint
-from meshdepict.viewer.volume_keys import action_of
-from meshdepict.viewer.volume_picture import save_volume_picture
+from meshdepict.viewer.drawing.figure import Figure
+from meshdepict.viewer.drawing.volume_picture import save_volume_picture
+from meshdepict.viewer.windows.cycle import next_method, other
+from meshdepict.viewer.windows.exports import free_path
+from meshdepict.viewer.windows.keys import hint
+from meshdepict.viewer.windows.volume_keys import action_of
 
 __all__ = ["VolumeActions"]
 

@@ -13,21 +13,21 @@ from typing import Any
 
 from meshdepict.errors import MeshdepictError
 from meshdepict.scene import View
-from meshdepict.viewer.camera import camera_view, same_sight
-from meshdepict.viewer.canvas import only_errors, place
-from meshdepict.viewer.clipping_box import ClippingBox
 from meshdepict.viewer.display import check_display, check_opengl
-from meshdepict.viewer.figure import Figure
-from meshdepict.viewer.framing import frame
-from meshdepict.viewer.labels import label
-from meshdepict.viewer.light_gizmo import LightGizmo
-from meshdepict.viewer.lit_object import NO_CARD
-from meshdepict.viewer.lit_volume import LitVolume
-from meshdepict.viewer.status import light_line
-from meshdepict.viewer.volume_actions import VolumeActions
-from meshdepict.viewer.volume_keys import help_text
-from meshdepict.viewer.volume_session import VolumeSession
-from meshdepict.viewer.window_events import bind
+from meshdepict.viewer.drawing.canvas import only_errors, place
+from meshdepict.viewer.drawing.figure import Figure
+from meshdepict.viewer.drawing.framing import frame
+from meshdepict.viewer.windows.camera import camera_view, same_sight
+from meshdepict.viewer.windows.clipping_box import ClippingBox
+from meshdepict.viewer.windows.labels import label
+from meshdepict.viewer.windows.light_gizmo import LightGizmo
+from meshdepict.viewer.windows.lit_object import NO_CARD
+from meshdepict.viewer.windows.lit_volume import LitVolume
+from meshdepict.viewer.windows.status import light_line
+from meshdepict.viewer.windows.volume_actions import VolumeActions
+from meshdepict.viewer.windows.volume_keys import help_text
+from meshdepict.viewer.windows.volume_session import VolumeSession
+from meshdepict.viewer.windows.window_events import bind
 
 __all__ = ["VolumeWindow", "show_volume"]
 

@@ -10,13 +10,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshdepict.errors import MeshdepictError
-from meshdepict.viewer.canvas import only_errors, place
 from meshdepict.viewer.display import check_opengl
-from meshdepict.viewer.figure import Figure
-from meshdepict.viewer.framing import Framing, frame
+from meshdepict.viewer.drawing.canvas import only_errors, place
+from meshdepict.viewer.drawing.figure import Figure
+from meshdepict.viewer.drawing.framing import Framing, frame
+from meshdepict.viewer.drawing.picture import check_picture, finished
+from meshdepict.viewer.drawing.volume_scene import add_baked, add_plain, add_rgba
 from meshdepict.viewer.live.shader import caught_errors
-from meshdepict.viewer.picture import check_picture, finished
-from meshdepict.viewer.volume_scene import add_baked, add_plain, add_rgba
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -88,7 +88,7 @@ def save_volume_picture(
     MeshdepictError
         As `draw_volume`, for another suffix, and where the file can't be written.
     """
-    from meshdepict.viewer.picture import write_picture
+    from meshdepict.viewer.drawing.picture import write_picture
 
     check_picture(path)
     figure = figure or Figure()

@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from meshdepict.viewer.figure import Figure
-    from meshdepict.viewer.framing import Framing
+    from meshdepict.viewer.drawing.figure import Figure
+    from meshdepict.viewer.drawing.framing import Framing
 
 __all__ = ["ScaleBar", "draw_scale_bar", "scale_bar"]
 

@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from meshdepict.errors import MeshdepictError
-from meshdepict.viewer.canvas import canvas, on_ground, place, unit_polydata
-from meshdepict.viewer.figure import Figure
-from meshdepict.viewer.framing import Framing, frame
-from meshdepict.viewer.scale_bar import draw_scale_bar
+from meshdepict.viewer.drawing.canvas import canvas, on_ground, place, unit_polydata
+from meshdepict.viewer.drawing.figure import Figure
+from meshdepict.viewer.drawing.framing import Framing, frame
+from meshdepict.viewer.drawing.scale_bar import draw_scale_bar
 
 if TYPE_CHECKING:
     from meshdepict.baked import Baked

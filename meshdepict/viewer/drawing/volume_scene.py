@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshdepict import color
-from meshdepict.viewer.volume_rays import LEVELS, march, refill, volume_actor
+from meshdepict.viewer.drawing.volume_rays import LEVELS, march, refill, volume_actor
 
 if TYPE_CHECKING:
     from meshdepict.grid_scales import GridSpace

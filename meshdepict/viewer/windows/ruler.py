@@ -5,8 +5,8 @@ from __future__ import annotations
 from itertools import pairwise
 from typing import Any
 
-from meshdepict.viewer.labels import label
-from meshdepict.viewer.scale_bar import scale_bar
+from meshdepict.viewer.drawing.scale_bar import scale_bar
+from meshdepict.viewer.windows.labels import label
 
 __all__ = ["Ruler"]
 

@@ -17,8 +17,8 @@ from meshdepict.baking import _own_colors, bake
 from meshdepict.errors import MeshdepictError
 from meshdepict.options import options_of
 from meshdepict.viewer.light_drag import lights_of
-from meshdepict.viewer.preview import Proxy
 from meshdepict.viewer.session import Session
+from meshdepict.viewer.windows.preview import Proxy
 
 __all__ = ["NO_CARD", "LitObject", "PaintedMesh", "colors_before"]
 

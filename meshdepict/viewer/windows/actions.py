@@ -9,10 +9,10 @@ import numpy as np
 
 from meshdepict.errors import MeshdepictError
 from meshdepict.scene import VIEWS
-from meshdepict.viewer import exports
-from meshdepict.viewer.camera import project_in_parallel, project_in_perspective
-from meshdepict.viewer.cycle import colormaps, next_method, other
-from meshdepict.viewer.keys import action_of, hint
+from meshdepict.viewer.windows import exports
+from meshdepict.viewer.windows.camera import project_in_parallel, project_in_perspective
+from meshdepict.viewer.windows.cycle import colormaps, next_method, other
+from meshdepict.viewer.windows.keys import action_of, hint
 
 __all__ = ["Actions"]
 

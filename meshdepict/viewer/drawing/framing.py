@@ -11,7 +11,7 @@ import numpy as np
 from meshdepict.errors import MeshdepictError
 from meshdepict.scene import VIEWS, View
 from meshdepict.upright import UPS
-from meshdepict.viewer.figure import Figure, check_pixels
+from meshdepict.viewer.drawing.figure import Figure, check_pixels
 
 __all__ = ["Framing", "check_scale", "frame"]
 

@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING, Any
 
 from meshdepict.errors import MeshdepictError
 from meshdepict.scene import View
-from meshdepict.viewer import encoding
-from meshdepict.viewer.canvas import canvas
-from meshdepict.viewer.figure import Figure
-from meshdepict.viewer.framing import Framing, frame
-from meshdepict.viewer.motion import circling, turned, turned_light
-from meshdepict.viewer.picture import finished
+from meshdepict.viewer.drawing import encoding
+from meshdepict.viewer.drawing.canvas import canvas
+from meshdepict.viewer.drawing.figure import Figure
+from meshdepict.viewer.drawing.framing import Framing, frame
+from meshdepict.viewer.drawing.motion import circling, turned, turned_light
+from meshdepict.viewer.drawing.picture import finished
 
 if TYPE_CHECKING:
     from meshdepict.viewer.session import Session

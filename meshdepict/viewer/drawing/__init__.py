@@ -1,0 +1,1 @@
+"""Pictures and movies without a window: layout, scale bar, canvas, volumes, files."""

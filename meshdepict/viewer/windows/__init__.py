@@ -1,0 +1,1 @@
+"""Windows of PyVista on meshes and volumes: keys, panels, light in hand."""
