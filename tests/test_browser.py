@@ -404,7 +404,8 @@ def test_a_page_that_is_closed_ends_nothing_and_ctrl_c_ends_it_cleanly(tab, ball
         tab.open("about:blank")
         page = Page(tab, served)
         assert page.tab.canvas().std() > 2  # a ball hides little from the sky
-        assert served.end() == (0, "ended\n", "")
+        hint = "meshdepict: open this address in a browser; Ctrl+C ends it\n"
+        assert served.end() == (0, "ended\n", hint)
         assert "has ended" in tab.wait("document.querySelector('.gone')?.textContent")
         tab.picture("browser-ended")
 
