@@ -53,6 +53,7 @@ def assemble(actor: Any, parts: Mapping[str, str], defines: Mapping[str, int]) -
     """
     definitions = "".join(f"#define {name} {value}\n" for name, value in defines.items())
     code = definitions + "out vec3 depiction;\n" + "".join(parts.values())
+    code = code.encode("ascii", "replace").decode()  # some drivers refuse more, even in comments
     shader = actor.GetShaderProperty()
     shader.ClearAllVertexShaderReplacements()
     shader.ClearAllFragmentShaderReplacements()
