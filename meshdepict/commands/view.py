@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from importlib import import_module
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -90,6 +91,10 @@ def view(
         from meshdepict.viewer.display import check_display
 
         check_display()
+    if not browser:
+        # A second's work, done before the bake: then the window is up at once after it.
+        for module in ("pyvista.plotting", "meshdepict.viewer.windows.window"):
+            import_module(module)
     name = _stem(input_)
     with notes(input_, quiet=quiet):
         session = _session(input_, settings, name, quiet=quiet)
