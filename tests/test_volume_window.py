@@ -1,5 +1,7 @@
 """The window on a volume, off screen: light, keys, slices, files, and the session behind it."""
 
+import signal
+
 import numpy as np
 import pytest
 from volume_shapes import SOLID, WHITE, blobs
@@ -10,8 +12,10 @@ from meshdepict.samples import ct_phantom
 from meshdepict.transfer import PRESETS, TransferFunction
 from meshdepict.viewer.drawing import volume_scene
 from meshdepict.viewer.drawing.picture import read_picture_provenance
+from meshdepict.viewer.windows import window_events
 from meshdepict.viewer.windows.clipping_box import ClippingBox
-from meshdepict.viewer.windows.volume_keys import KEYS, action_of, help_text
+from meshdepict.viewer.windows.keys import action_of, help_text
+from meshdepict.viewer.windows.volume_keys import KEYS
 from meshdepict.viewer.windows.volume_session import VolumeSession
 from meshdepict.viewer.windows.volume_window import VolumeWindow, show_volume
 from meshdepict.volume_baking import bake_volume
@@ -266,16 +270,26 @@ def test_a_saved_volume_can_be_opened(window, tmp_path):
         read_volume(next(tmp_path.glob("*.vti")))
 
 
+def test_control_c_ends_the_window(head, monkeypatch):
+    made = VolumeWindow(VolumeSession(head, "lambert"), size=(100, 90), off_screen=True, live=False)
+    monkeypatch.setattr(window_events, "check_display", lambda plotter: None)
+    usual = signal.getsignal(signal.SIGINT)
+    monkeypatch.setattr(made.plotter.iren, "start", lambda: signal.raise_signal(signal.SIGINT))
+    with pytest.raises(KeyboardInterrupt):
+        made.run()
+    assert signal.getsignal(signal.SIGINT) is usual
+
+
 # --- keys and the box ---------------------------------------------------------------------------
 
 
 def test_help_says_every_key_once():
-    keys, words = help_text()
+    keys, words = help_text(KEYS)
     assert keys.count("\n") == words.count("\n")
     symbols = [symbol for key in KEYS for symbol in key.symbols]
     assert len(symbols) == len(set(symbols))
-    assert action_of("x") == "cut_x"
-    assert action_of("F12") is None
+    assert action_of("x", KEYS) == "cut_x"
+    assert action_of("F12", KEYS) is None
 
 
 def test_a_box_keeps_a_slice_and_gives_all_back(head):

@@ -16,9 +16,6 @@ from meshdepict.errors import MeshdepictError
 
 __all__ = ["view"]
 
-# What recipes may have and sessions don't.
-_NOT_SHOWN = {"colormap2d": None, "albedo": "none", "refine": None}
-
 
 def view(
     input_: Annotated[Path | None, Parameter(name="INPUT")] = None,
@@ -63,8 +60,7 @@ def view(
     frames
         Draw so many frames off screen and end.
     """
-    from meshdepict.batch import _stem
-    from meshdepict.recipe import load_recipe, merge_recipe
+    from meshdepict.batch import stem
 
     threads.limit(cores)
     if not browser:
@@ -77,11 +73,7 @@ def view(
         "colormap": colormap,
     }  # fmt: skip
     if recipe is not None:
-        said = {name: value for name, value in settings.items() if name in given}
-        settings = merge_recipe(load_recipe(recipe), said)
-        for name, usual in _NOT_SHOWN.items():
-            if settings.pop(name, usual) != usual:
-                raise MeshdepictError(f"{recipe}: the viewer has no {name}; bake it instead")
+        settings = parameters.session_settings(recipe, settings, given)
     settings |= parameters.method_options(settings["method"], options or [])
     from meshdepict.io.volumes import is_volume_path
 
@@ -95,7 +87,7 @@ def view(
         # A second's work, done before the bake: then the window is up at once after it.
         for module in ("pyvista.plotting", "meshdepict.viewer.windows.window"):
             import_module(module)
-    name = _stem(input_)
+    name = stem(input_)
     with notes(input_, quiet=quiet):
         session = _session(input_, settings, name, quiet=quiet)
     if browser:

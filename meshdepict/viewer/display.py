@@ -9,8 +9,9 @@ from typing import Any
 
 from meshdepict.errors import MeshdepictError
 
-__all__ = ["check_display", "check_opengl"]
+__all__ = ["check_display", "check_opengl", "has_graphics_card"]
 
+_SOFTWARE = ("llvmpipe", "softpipe", "swrast", "swiftshader", "software")
 _OSMESA = ("libOSMesa.so.8", "libOSMesa.so.6", "libOSMesa.so")
 
 
@@ -64,3 +65,9 @@ def check_opengl(plotter: Any) -> None:
         "there is no OpenGL to draw with, neither on a display nor without one (EGL): install it "
         "(Debian: apt install libegl1 libgl1-mesa-dri)"
     )
+
+
+def has_graphics_card(window: Any) -> bool:
+    """Whether the OpenGL of a render window, which draws for it, is more than software."""
+    window.Render()
+    return not any(name in window.ReportCapabilities().lower() for name in _SOFTWARE)

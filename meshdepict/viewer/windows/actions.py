@@ -7,45 +7,22 @@ from typing import Any
 
 import numpy as np
 
-from meshdepict.errors import MeshdepictError
 from meshdepict.scene import VIEWS
 from meshdepict.viewer.windows import exports
 from meshdepict.viewer.windows.camera import project_in_parallel, project_in_perspective
 from meshdepict.viewer.windows.cycle import colormaps, next_method, other
-from meshdepict.viewer.windows.keys import action_of, hint
+from meshdepict.viewer.windows.key_actions import ARROWS, KeyActions
+from meshdepict.viewer.windows.keys import KEYS
 
 __all__ = ["Actions"]
 
-_TURN = 5 / 180  # of the light for an arrow key: 5°, in heights of the picture
 _SHIFT = 0.02  # of the line for a key, in widths of the picture
-_ARROWS = {"left": (-1, 0), "right": (1, 0), "up": (0, 1), "down": (0, -1)}
 
 
-class Actions:
-    """The actions of `keys.KEYS` on a `Window`: a method of that name for each.
+class Actions(KeyActions):
+    """The actions of `keys.KEYS` on a `Window`."""
 
-    Of ``choice_1`` or ``light_left`` the part after the line is the method's argument.
-    """
-
-    def __init__(self, window: Any) -> None:
-        self._window = window
-
-    def press(self, symbol: str) -> None:
-        """Do what a key (as VTK names it) does; say so where it does nothing or can't."""
-        window, action = self._window, action_of(symbol)
-        if action is None:
-            if hint(symbol):
-                window.say(hint(symbol))
-            return
-        window.said = ""
-        word, _, rest = action.partition("_")
-        try:
-            if word in ("choice", "light", "next", "previous") or action.startswith("wipe_"):
-                getattr(self, word if word != "wipe" else "move_wipe")(rest)
-            else:
-                getattr(self, action)()
-        except MeshdepictError as error:
-            window.say(str(error))
+    keys = KEYS
 
     # --- the session ------------------------------------------------------------------------
 
@@ -54,29 +31,11 @@ class Actions:
         {"method": self._method, "colormap": self._colormap, "view": self._view,
          "page": self._page}[what](step)  # fmt: skip
 
-    def previous(self, what: str) -> None:
-        """Go back to the one before."""
-        self.next(what, -1)
-
     def choice(self, number: str) -> None:
         """Go on to the next choice of a list of the panel."""
         window = self._window
         if window.scenery.panel.choose(int(number)) is None:
             window.say(f"{window.session.method} has no list {number}")
-
-    def light(self, direction: str) -> None:
-        """Turn the light a little."""
-        right, up = _ARROWS[direction]
-        self._window.turn_light(_TURN * right, _TURN * up)
-
-    def fix_light(self) -> None:
-        """Fix the light to the eye, or to the object again."""
-        window = self._window
-        window.look()
-        to = "eye" if window.session.light_fixed_to == "object" else "object"
-        window.session.fix_light(to)
-        goes = {"eye": "goes with the eye", "object": "stays with the object"}[to]
-        window.say(f"the light {goes} now")
 
     def reset(self) -> None:
         """Go back to the beginning."""
@@ -135,10 +94,10 @@ class Actions:
         window.object.compare(on=window.scenery.wipe.on)
         window.draw()
 
-    def move_wipe(self, direction: str) -> None:
+    def line(self, direction: str) -> None:
         """Move the line to the left or right."""
         wipe = self._window.scenery.wipe
-        wipe.move(wipe.place + _SHIFT * _ARROWS[direction][0])
+        wipe.move(wipe.place + _SHIFT * ARROWS[direction][0])
         self._window.moved(recolored=False)
 
     def fly(self) -> None:
@@ -180,10 +139,6 @@ class Actions:
         """Save the look."""
         self._window.look()
         self._save(exports.save_look)
-
-    def close(self) -> None:
-        """Close the window."""
-        self._window.close()
 
     def _save(self, save: Any, *more: Any) -> None:
         window = self._window

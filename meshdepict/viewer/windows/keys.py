@@ -2,19 +2,29 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import NamedTuple
 
-__all__ = ["KEYS", "Key", "action_of", "help_text", "hint"]
+__all__ = ["KEYS", "LIGHT_KEYS", "POINTER", "Key", "action_of", "help_text", "hint"]
 
 
 class Key(NamedTuple):
-    """One action of the window and the keys (as VTK names them) that start it."""
+    """One action of the window and the keys (as VTK names them) that start it.
+
+    In the help it stands by `shown` and `words`; without them another key's line speaks for it.
+    """
 
     action: str
     symbols: tuple[str, ...]
     shown: str
     words: str
 
+
+LIGHT_KEYS = (
+    Key("light_left", ("Left",), "arrows", "turn the light by 5 degrees"),
+    *(Key(f"light_{name.lower()}", (name,), "", "") for name in ("Right", "Up", "Down")),
+    Key("fix_light", ("l", "L"), "l", "light fixed to the eye, or to the object"),
+)
 
 # The window turns VTK's and PyVista's own keys off: of theirs, q, e, r, f and v do here what they
 # do there or nearly so; w, s, p, b, c mean something of this program's.
@@ -25,18 +35,12 @@ KEYS = (
     Key("next_colormap", ("c",), "c", "next colour map"),
     Key("previous_colormap", ("C",), "C", "colour map before"),
     Key("next_page", ("Tab",), "Tab", "more options, where there are"),
-    *(
-        Key(f"choice_{i}", (str(i), f"KP_{i}"), str(i), f"next choice of list {i}")
-        for i in range(1, 7)
-    ),
-    Key("light_left", ("Left",), "Left", "turn the light by 5 degrees"),
-    Key("light_right", ("Right",), "Right", "turn the light by 5 degrees"),
-    Key("light_up", ("Up",), "Up", "turn the light by 5 degrees"),
-    Key("light_down", ("Down",), "Down", "turn the light by 5 degrees"),
-    Key("fix_light", ("l", "L"), "l", "light fixed to the eye, or to the object"),
+    Key("choice_1", ("1", "KP_1"), "1 - 6", "next choice of that list"),
+    *(Key(f"choice_{i}", (str(i), f"KP_{i}"), "", "") for i in range(2, 7)),
+    *LIGHT_KEYS,
     Key("wipe", ("w", "W"), "w", "before and after: a line parts them"),
-    Key("wipe_left", ("bracketleft",), "[", "move the line to the left"),
-    Key("wipe_right", ("bracketright",), "]", "move the line to the right"),
+    Key("line_left", ("bracketleft",), "[", "move the line to the left"),
+    Key("line_right", ("bracketright",), "]", "move the line to the right"),
     Key("next_view", ("v",), "v", "next view: front, back, right, ..."),
     Key("previous_view", ("V",), "V", "view before"),
     Key("fly", ("f", "F"), "f", "look at the point under the pointer"),
@@ -57,15 +61,13 @@ POINTER = (
 )
 """What the mouse does."""
 
-_ACTIONS = {symbol: key.action for key in KEYS for symbol in key.symbols}
-
 # Keys that only change what others mean: pressing them says nothing.
 _SILENT = ("Shift", "Control", "Alt", "Meta", "Super", "Caps_Lock", "Num_Lock", "ISO_", "None")
 
 
-def action_of(symbol: str) -> str | None:
+def action_of(symbol: str, keys: Iterable[Key] = KEYS) -> str | None:
     """Return what a key (as VTK names it) does; None where it does nothing."""
-    return _ACTIONS.get(symbol)
+    return next((key.action for key in keys if symbol in key.symbols), None)
 
 
 def hint(symbol: str) -> str:
@@ -75,18 +77,7 @@ def hint(symbol: str) -> str:
     return f"{symbol} does nothing here: h shows the keys"
 
 
-def help_text() -> tuple[str, str]:
+def help_text(keys: Iterable[Key] = KEYS) -> tuple[str, str]:
     """Return two columns of the same number of lines: keys, and what they do."""
-    rows = list(POINTER)
-    lists = [key for key in KEYS if key.action.startswith("choice_")]
-    arrows = [key for key in KEYS if key.action.startswith("light_")]
-    for key in KEYS:
-        if key in lists:
-            if key is lists[0]:
-                rows.append((f"{key.shown} - {lists[-1].shown}", "next choice of that list"))
-        elif key in arrows:
-            if key is arrows[0]:
-                rows.append(("arrows", key.words))
-        else:
-            rows.append((key.shown, key.words))
-    return "\n".join(keys for keys, _ in rows), "\n".join(words for _, words in rows)
+    rows = [*POINTER, *((key.shown, key.words) for key in keys if key.shown)]
+    return "\n".join(shown for shown, _ in rows), "\n".join(words for _, words in rows)

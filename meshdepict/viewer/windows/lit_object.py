@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from meshdepict.baking import _own_colors, bake
+from meshdepict.baking import bake, own_colors
 from meshdepict.errors import MeshdepictError
 from meshdepict.options import options_of
 from meshdepict.viewer.light_drag import lights_of
@@ -28,7 +28,7 @@ NO_CARD = "no graphics card"
 def colors_before(session: Session, space: Any = None) -> NDArray[np.uint8]:
     """Return the shape's own colours, or Lambert's under the (first) light: (n, 3)."""
     try:
-        return _own_colors(session.shape)
+        return own_colors(session.shape)
     except MeshdepictError:
         lights = lights_of(session.light)
         light = lights[0] if lights else "northwest"

@@ -6,9 +6,9 @@ from collections.abc import Callable
 from functools import cached_property
 from typing import Any
 
-from meshdepict.viewer.display import check_opengl
+from meshdepict.viewer.display import check_opengl, has_graphics_card
 from meshdepict.viewer.session import Session
-from meshdepict.viewer.windows.keys import help_text
+from meshdepict.viewer.windows.keys import KEYS, help_text
 from meshdepict.viewer.windows.labels import label
 from meshdepict.viewer.windows.light_gizmo import LightGizmo
 from meshdepict.viewer.windows.lit_object import NO_CARD
@@ -24,7 +24,6 @@ _PANEL = 0.22  # share of the window's width
 _GROUND = (0.955, 0.955, 0.945)
 _FAINT = (0.45, 0.45, 0.45)
 _SAMPLES = 4  # of a pixel
-_SOFTWARE = ("llvmpipe", "softpipe", "swrast", "swiftshader", "software")
 
 
 class Scenery:
@@ -99,7 +98,7 @@ class Scenery:
         self._source = label(self._side, "", (0.08, 0.915), size=10, color=_FAINT)
         self._lines = label(self._side, "", (0.08, 0.205), size=11, color=_FAINT)
         self._message = label(main, "", (0.015, 0.965), size=14)
-        columns = (text.splitlines() for text in help_text())
+        columns = (text.splitlines() for text in help_text(KEYS))
         rows = [f" {keys:<26}{words:<44}" for keys, words in zip(*columns, strict=True)]
         self._help = label(main, "\n".join(rows), (0.5, 0.5), size=13, align="center")
         letters = self._help.GetTextProperty()
@@ -119,9 +118,7 @@ class Scenery:
     @cached_property
     def has_graphics_card(self) -> bool:
         """Whether OpenGL is more than software."""
-        window = self.plotter.render_window
-        window.Render()
-        return not any(name in window.ReportCapabilities().lower() for name in _SOFTWARE)
+        return has_graphics_card(self.plotter.render_window)
 
     def smooth_edges(self, *, on: bool) -> None:
         """Smooth the edges of triangles; in software only at rest, as it takes most of the time."""

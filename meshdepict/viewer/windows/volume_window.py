@@ -12,30 +12,26 @@ from pathlib import Path
 from typing import Any
 
 from meshdepict.errors import MeshdepictError
-from meshdepict.scene import View
-from meshdepict.viewer.display import check_display, check_opengl
-from meshdepict.viewer.drawing.canvas import only_errors, place
-from meshdepict.viewer.drawing.figure import Figure
-from meshdepict.viewer.drawing.framing import frame
-from meshdepict.viewer.windows.camera import camera_view, same_sight
+from meshdepict.viewer.display import check_display, check_opengl, has_graphics_card
+from meshdepict.viewer.drawing.canvas import only_errors
+from meshdepict.viewer.windows.camera import camera_view
 from meshdepict.viewer.windows.clipping_box import ClippingBox
+from meshdepict.viewer.windows.keys import help_text
 from meshdepict.viewer.windows.labels import label
 from meshdepict.viewer.windows.light_gizmo import LightGizmo
 from meshdepict.viewer.windows.lit_object import NO_CARD
 from meshdepict.viewer.windows.lit_volume import LitVolume
+from meshdepict.viewer.windows.lit_window import LitWindow
 from meshdepict.viewer.windows.status import light_line
 from meshdepict.viewer.windows.volume_actions import VolumeActions
-from meshdepict.viewer.windows.volume_keys import help_text
+from meshdepict.viewer.windows.volume_keys import KEYS
 from meshdepict.viewer.windows.volume_session import VolumeSession
 from meshdepict.viewer.windows.window_events import bind
 
 __all__ = ["VolumeWindow", "show_volume"]
 
-_REST = 0.15  # seconds without a move, after which the whole picture is due
 _BUDGET = 0.08  # seconds that a frame may take while something moves
 _COARSEST = 6.0  # pixels between rays: more and nothing can be made out
-_TIMER = 50  # milliseconds
-_SOFTWARE = ("llvmpipe", "softpipe", "swrast", "swiftshader", "software")
 
 
 def show_volume(
@@ -75,7 +71,7 @@ def show_volume(
     return window
 
 
-class VolumeWindow:
+class VolumeWindow(LitWindow):
     """A PyVista window over a session of a volume.
 
     Parameters
@@ -99,10 +95,6 @@ class VolumeWindow:
     helping : bool
     actions : VolumeActions
         What keys do.
-    said : str
-        The last message.
-    fault : BaseException or None
-        What ended the window, to be raised when it is gone.
     """
 
     def __init__(
@@ -117,16 +109,10 @@ class VolumeWindow:
     ) -> None:
         import pyvista as pv
 
-        session.baked()  # what can't be shaded is refused before a window opens
-        self.session, self.name, self.folder = session, name, folder
-        self.said = ""
-        self.fault: BaseException | None = None
+        super().__init__(session, name, folder)
         self.helping = False
         self.actions = VolumeActions(self)
-        self._held: tuple[int, int] | None = None
-        self._due: float | None = None
         self._took = _BUDGET  # seconds of the last whole frame
-        self._shown = session.look_now()
         with only_errors():
             self.plotter = pv.Plotter(
                 window_size=list(size), off_screen=off_screen, notebook=False, title="meshdepict"
@@ -141,13 +127,10 @@ class VolumeWindow:
             self._lines = label(self.plotter.renderer, "", (0.015, 0.015), size=11)
             self._help = self._add_help()
             if live is None:
-                window = self.plotter.render_window
-                window.Render()
-                live = not any(s in window.ReportCapabilities().lower() for s in _SOFTWARE)
+                live = has_graphics_card(self.plotter.render_window)
         self.camera = self.plotter.camera
         self.lit = LitVolume(self.plotter, session, live=live)
         self.box = ClippingBox(session.shape)
-        self._seen = session.view
         self.go(session.view)
         bind(self)
         self.settle()
@@ -176,41 +159,10 @@ class VolumeWindow:
         if not moving:
             self._took = time.perf_counter() - began
 
-    def settle(self) -> None:
-        """Take over where the camera is, and draw the whole picture."""
-        self._due = None
-        self.look()
-        self.draw()
-
-    def tick(self) -> None:
-        """Draw the whole picture when it is due; a timer's."""
-        if self._due is not None and self._held is None and time.perf_counter() >= self._due:
-            self.settle()
-
-    def say(self, words: str) -> None:
-        """Show a message, until the next one."""
-        self.said = words
-        self.draw()
-
-    def look(self) -> None:
-        """Tell the session what the camera sees, if that is another view."""
-        session = self.session
-        now = camera_view(self.camera, session.shape, height_px=session.view.height_px)
-        if not same_sight(now, self._seen, session.shape):
-            self._seen = now
-            session.look(now)
-
     @property
     def towards_eye(self) -> Any:
         """Unit vector from the volume to the eye."""
         return self._seen.towards_eye
-
-    def go(self, view: View) -> None:
-        """Put the camera where a view is; a named one is fitted to the window."""
-        size = tuple(self.plotter.render_window.GetSize())
-        self._seen = frame(view, self.session.shape, Figure(size=size)).view
-        place(self.camera, self._seen, self.session.shape)
-        self.plotter.renderer.ResetCameraClippingRange()
 
     # --- the pointer, as `bind` leads it here -----------------------------------------------
 
@@ -225,15 +177,10 @@ class VolumeWindow:
         """Move the light if it is held; return whether it is."""
         if self._held is None:
             return False
-        height = self.plotter.render_window.GetSize()[1]
+        height = self.picture_size[1]
         before, self._held = self._held, at
         self.turn_light((at[0] - before[0]) / height, (at[1] - before[1]) / height)
         return True
-
-    def let_go(self) -> bool:
-        """End a drag; return whether there was one."""
-        held, self._held = self._held, None
-        return held is not None
 
     def turn_light(self, right: float, up: float) -> None:
         """Turn the light by a drag in heights of the picture."""
@@ -250,37 +197,6 @@ class VolumeWindow:
         self.draw(moving=True)
         self.soon()
 
-    def soon(self) -> None:
-        """Have the whole picture drawn once the hand rests."""
-        self._due = time.perf_counter() + _REST
-
-    # --- its life ---------------------------------------------------------------------------
-
-    def run(self, *, frames: int | None = None) -> None:
-        """Stay open until it is closed; off screen, for a number of frames.
-
-        Raises
-        ------
-        MeshdepictError
-            Where there is no display.
-        """
-        try:
-            for _ in range(frames or 0):
-                self.settle()
-            if frames is None:
-                check_display(self.plotter)
-                self.plotter.iren.interactor.CreateRepeatingTimer(_TIMER)
-                self.plotter.iren.start()
-        finally:
-            self.plotter.close()
-        if self.fault is not None:
-            raise self.fault
-
-    def close(self) -> None:
-        """Close the window."""
-        self._due = None
-        self.plotter.iren.interactor.TerminateApp()
-
     # --- what stands round the volume ---------------------------------------------------------
 
     def _add_gizmo(self) -> LightGizmo:
@@ -294,7 +210,7 @@ class VolumeWindow:
     def _add_help(self) -> list[Any]:
         columns = [
             label(self.plotter.renderer, text, (x, 0.5), size=14)
-            for text, x in zip(help_text(), (0.06, 0.34), strict=True)
+            for text, x in zip(help_text(KEYS), (0.06, 0.34), strict=True)
         ]
         for column in columns:
             letters = column.GetTextProperty()

@@ -13,25 +13,21 @@ from typing import Any
 
 from meshdepict.errors import MeshdepictError
 from meshdepict.scene import View
-from meshdepict.viewer.drawing.canvas import place
-from meshdepict.viewer.drawing.figure import Figure
-from meshdepict.viewer.drawing.framing import frame
 from meshdepict.viewer.session import Session
 from meshdepict.viewer.windows.actions import Actions
-from meshdepict.viewer.windows.camera import camera_view, same_sight
 from meshdepict.viewer.windows.lit_object import LitObject
+from meshdepict.viewer.windows.lit_window import LitWindow
 from meshdepict.viewer.windows.preview import Pace
 from meshdepict.viewer.windows.scenery import Scenery
-from meshdepict.viewer.windows.window_events import bind, only_errors, run_loop
+from meshdepict.viewer.windows.window_events import bind, only_errors
 
 __all__ = ["Window"]
 
-_REST = 0.15  # seconds without a move, after which the whole picture is due
 _PATIENCE = 1.0  # seconds that a frame may take which only says what comes
 _GRIP = 8  # pixels round the wipe's line where it can be taken
 
 
-class Window:
+class Window(LitWindow):
     """A PyVista window over a session.
 
     Parameters
@@ -50,13 +46,9 @@ class Window:
     Attributes
     ----------
     plotter : pyvista.Plotter
-    said : str
-        The last message.
     pace : Pace
     actions : Actions
         What keys do.
-    fault : BaseException or None
-        What ended the window, to be raised when it is gone.
     """
 
     def __init__(
@@ -69,13 +61,8 @@ class Window:
         live: bool | None = None,
         off_screen: bool = False,
     ) -> None:
-        session.baked()  # what can't be shaded is refused before a window opens
-        self.session, self.name, self.folder = session, name, folder
-        self.said = ""
-        self.fault: BaseException | None = None
+        super().__init__(session, name, folder)
         self.pace = Pace()
-        self._held: tuple[str, tuple[int, int]] | None = None  # what a drag moves, and from where
-        self._due: float | None = None
         self._told = 0.0  # when progress was last shown
         self._drawn = self._took = 0.0  # when the last frame was complete, and how long it took
         with only_errors():
@@ -88,13 +75,20 @@ class Window:
             self.plotter.renderer, session, live=real if live is None else live,
             planes={"now": wipe.now, "before": wipe.before},
         )  # fmt: skip
-        self._shown = session.look_now()
         session.progress = session.progress or self._progress
-        self._seen = session.view
         self.go(session.view)
         self.actions = Actions(self)
         bind(self)
         self.settle()
+
+    @property
+    def picture_size(self) -> tuple[int, int]:
+        """Width and height in pixels of the part that shows the object."""
+        return self.scenery.picture_size
+
+    def finish(self) -> None:
+        """Take the panel's sliders away."""
+        self.scenery.panel.close()
 
     # --- drawing ----------------------------------------------------------------------------
 
@@ -125,24 +119,11 @@ class Window:
             self.pace.shading = shading if fresh else self.pace.shading
             self.pace.drawing = self._took - shading
 
-    def settle(self) -> None:
-        """Take over where the camera is, and draw the whole picture."""
-        self._due = None
-        self.look()
-        self.draw()
-
     def tick(self) -> None:
         """Draw the whole picture when it is due, else be prepared; a timer's."""
-        if self._due is None:
-            if not self.pace.keeps_up:
-                self.object.prepare()
-        elif self._held is None and time.perf_counter() >= self._due:
-            self.settle()
-
-    def say(self, words: str) -> None:
-        """Show a message, until the next one."""
-        self.said = words
-        self.draw()
+        if self._due is None and not self.pace.keeps_up:
+            self.object.prepare()
+        super().tick()
 
     def moved(self, *, recolored: bool) -> None:
         """Draw a frame of a motion, in time.
@@ -152,7 +133,7 @@ class Window:
         """
         if recolored:
             self.object.touch()
-        self._due = time.perf_counter() + _REST
+        self.soon()
         if time.perf_counter() - self._drawn < self._took:
             return
         pace = self.pace
@@ -161,14 +142,7 @@ class Window:
             self.draw(fresh=not recolored or pace.shading <= pace.budget, moving=True)
         else:
             self.draw(coarse=coarse, fresh=not coarse or pace.coarse_keeps_up, moving=True)
-        self._due = time.perf_counter() + _REST
-
-    def look(self) -> None:
-        """Tell the session what the camera sees, if that is another view."""
-        now = camera_view(self.camera, self.session.shape, height_px=self.session.view.height_px)
-        if not same_sight(now, self._seen, self.session.shape):
-            self._seen = now
-            self.look_from(now)
+        self.soon()
 
     def look_from(self, view: View | str) -> None:
         """Tell the session another view."""
@@ -176,13 +150,6 @@ class Window:
         self.session.look(view)
         if self.session._baked is None or self.session._baked is not colors:
             self.object.touch()
-
-    def go(self, view: View) -> None:
-        """Put the camera where a view is; a named one is fitted to the window."""
-        figure = Figure(size=self.scenery.picture_size)
-        self._seen = frame(view, self.session.shape, figure).view
-        place(self.camera, self._seen, self.session.shape)
-        self.plotter.renderer.ResetCameraClippingRange()
 
     # --- the pointer ------------------------------------------------------------------------
 
@@ -192,7 +159,7 @@ class Window:
 
     def grip(self, at: tuple[int, int]) -> str | None:
         """Return what a plain drag takes hold of at a place; None for the object itself."""
-        wipe, width = self.scenery.wipe, self.scenery.picture_size[0]
+        wipe, width = self.scenery.wipe, self.picture_size[0]
         return "wipe" if wipe.on and abs(at[0] - wipe.place * width) <= _GRIP else None
 
     def drag(self, at: tuple[int, int]) -> bool:
@@ -200,7 +167,7 @@ class Window:
         if self._held is None:
             return False
         what, before = self._held
-        width, height = self.scenery.picture_size
+        width, height = self.picture_size
         if what == "wipe":
             self.scenery.wipe.move(at[0] / width)
             self.moved(recolored=False)
@@ -208,11 +175,6 @@ class Window:
             self.turn_light((at[0] - before[0]) / height, (at[1] - before[1]) / height)
         self._held = what, at
         return True
-
-    def let_go(self) -> bool:
-        """End a drag; return whether there was one."""
-        held, self._held = self._held, None
-        return held is not None
 
     def turn_light(self, right: float, up: float) -> None:
         """Turn the light by a drag in heights of the picture."""
@@ -225,10 +187,6 @@ class Window:
         if follows:
             self.look()
         self.moved(recolored=follows)
-
-    def soon(self) -> None:
-        """Have the whole picture drawn once the hand rests."""
-        self._due = time.perf_counter() + _REST
 
     # --- what takes a while ---------------------------------------------------------------------
 
@@ -249,20 +207,3 @@ class Window:
         """Take an option from the panel."""
         self.session.set(**{name: value})
         self.moved(recolored=True)
-
-    # --- its life ---------------------------------------------------------------------------
-
-    def run(self, *, frames: int | None = None) -> None:
-        """Stay open until it is closed; off screen, for a number of frames.
-
-        Raises
-        ------
-        MeshdepictError
-            Where there is no display.
-        """
-        run_loop(self, frames)
-
-    def close(self) -> None:
-        """Close the window."""
-        self._due = None
-        self.plotter.iren.interactor.TerminateApp()

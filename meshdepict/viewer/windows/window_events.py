@@ -89,7 +89,7 @@ def run_loop(window: Any, frames: int | None) -> None:
         for _ in range(frames or 0):
             window.settle()
     finally:
-        window.scenery.panel.close()
+        window.finish()
         plotter.close()
     if window.fault is not None:
         raise window.fault
