@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshdepict.errors import MeshdepictError
-from meshdepict.provenance import was_baked
+from meshdepict.provenance import comment_lines, was_baked
 from meshdepict.scene import View
 
 if TYPE_CHECKING:
@@ -51,7 +51,7 @@ class Baked:
         *,
         space: ScaleSpace | None = None,
         settings: Mapping[str, Any] | None = None,
-        measure: Callable[[], EdgeError] | None = None,
+        shade: Callable[[ScaleSpace], NDArray[Any]] | None = None,
     ) -> None:
         self.shape = shape
         self.intensity = intensity
@@ -60,7 +60,7 @@ class Baked:
         self.view = view
         self.space = space
         self.settings = dict(settings or {})
-        self._measure = measure
+        self._shade = shade
 
     @functools.cached_property
     def edge_error(self) -> EdgeError | None:
@@ -69,7 +69,14 @@ class Baked:
         None where that can't be said: of a refined bake, two lights, and methods that look at more
         than a sample's own normals and curvature.
         """
-        return self._measure() if self._measure is not None else None
+        if self.space is None or self._shade is None:
+            return None
+        from meshdepict.baking import find_method
+        from meshdepict.refinement import edge_error
+        from meshdepict.shading import declaration
+
+        linear = declaration(find_method(self.settings["method"])).linear
+        return edge_error(self.space, self._shade, linear=linear)
 
     def __repr__(self) -> str:
         """Return method and size."""
@@ -78,9 +85,7 @@ class Baked:
     @property
     def comments(self) -> list[str]:
         """The provenance as lines for a file's header."""
-        lines = [f"meshdepict {key}: {text}" for key, text in self.provenance.items()]
-        # Headers that go beyond ASCII are more than VTK and several PLY readers take.
-        return [line.encode("ascii", "backslashreplace").decode() for line in lines]
+        return comment_lines(self.provenance)
 
     def _require_mesh(self) -> None:
         if self.shape.kind != "mesh":

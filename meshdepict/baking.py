@@ -22,7 +22,7 @@ from meshdepict.scene import View, as_light, as_lighting, as_view
 if TYPE_CHECKING:
     from meshdepict.mesh import Mesh
 
-__all__ = ["Baked", "as_mesh", "bake", "find_method", "refuse_other_scales"]
+__all__ = ["Baked", "as_mesh", "bake", "find_method", "own_colors", "refuse_other_scales"]
 
 
 def bake(
@@ -107,7 +107,7 @@ def bake(
         mesh: Any = shape.shape
     else:
         mesh = shape if is_image else as_mesh(shape)
-    own = _own_colors(mesh) if albedo == "keep" else None
+    own = own_colors(mesh) if albedo == "keep" else None
     eye = as_view(view, mesh, up=up)
     lamp = as_lighting(light, eye, up=up) if colormap2d is None else as_light(light, eye)
     if isinstance(shape, ScaleSpace):
@@ -130,24 +130,18 @@ def bake(
         return function(space, lamp, **needed, **options)
 
     linear = declared.linear
-    measure = None
     local = declared.local and colormap2d is None and mesh.kind == "mesh"
-    if local:
-        from meshdepict import refinement
-
-        measure = functools.partial(
-            refinement.edge_error, space, functools.partial(shade, lamp), linear=linear
-        )
+    each = functools.partial(shade, lamp)  # of samples of any scale space of the mesh
     if refine is not None:
         if not local:
             raise MeshdepictError(
                 "refine is for meshes, one light and methods that shade each sample by itself: "
                 f"leave it out with {method if colormap2d is None else 'colormap2d'}"
             )
-        mesh, intensity = refinement.refine(
-            space, functools.partial(shade, lamp), linear=linear, levels=refine
-        )
-        own, measure = _own_colors(mesh) if albedo == "keep" else None, None
+        from meshdepict.refinement import refine as refined
+
+        mesh, intensity = refined(space, each, linear=linear, levels=refine)
+        own = own_colors(mesh) if albedo == "keep" else None
     elif colormap2d is None:
         intensity = shade(lamp)
     else:
@@ -170,7 +164,7 @@ def bake(
         provenance["refined"] = f"to {refine:g} grey levels, {len(mesh.faces)} triangles"
     return Baked(
         mesh, intensity, colors, provenance, eye,
-        space=None if refine is not None else space, measure=measure,
+        space=None if refine is not None else space, shade=each if local else None,
         settings={
             "method": method, "light": lamp, "up": up, "colormap": colormap,
             "colormap2d": colormap2d, "albedo": albedo, **options,
@@ -219,7 +213,7 @@ def as_mesh(shape: Any) -> Mesh:
     )
 
 
-def _own_colors(mesh: Mesh) -> NDArray[np.uint8]:
+def own_colors(mesh: Mesh) -> NDArray[np.uint8]:
     """Return the mesh's own vertex colours; those a former bake set aside come first."""
     from meshdepict.io.document import as_bytes
 

@@ -31,7 +31,7 @@ from meshdepict.viewer.drawing.picture import check_picture, save_picture
 if TYPE_CHECKING:
     from meshdepict.mesh import Mesh
 
-__all__ = ["Batch", "check_settings"]
+__all__ = ["Batch", "check_settings", "stem"]
 
 _GOLF_BALL = "golf-ball"
 _VISIBLE = 2  # grey levels
@@ -129,7 +129,7 @@ class Batch:
         """Choose and check the names of the files to write."""
         if source is not None and not exists(source):
             raise MeshdepictError(f"{source}: there is no such file")
-        name = f"{_stem(source)}-{self.settings['method']}"
+        name = f"{stem(source)}-{self.settings['method']}"
         output = _target(self.output or ".", f"{name}.ply", "-o")
         _check_format(output)
         picture = None
@@ -164,8 +164,8 @@ class Batch:
             baked.save(job.output)
             if job.picture:
                 save_picture(baked, job.picture, self.figure)
-        error = baked.edge_error
-        if error is not None and error.rms > _VISIBLE and not self.quiet:
+        error = None if self.quiet else baked.edge_error
+        if error is not None and error.rms > _VISIBLE:
             text = (
                 f"colours between vertices are off by {error.rms:.0f} of 255 grey levels (rms), at "
                 f"{error.share:.0%} of the edges by more than 2: --refine 2 splits triangles there"
@@ -187,7 +187,7 @@ def check_settings(settings: Mapping[str, Any]) -> None:
         bake(samples.sphere(12), **{**settings, "albedo": "none"})
 
 
-def _stem(source: Path | None) -> str:
+def stem(source: Path | None) -> str:
     """Return a file's name without the suffixes that formats have."""
     if source is None:
         return _GOLF_BALL

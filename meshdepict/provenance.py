@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
 
-from meshdepict.io.document import Document
+from meshdepict.io.document import MARK, Document
 from meshdepict.options import as_text, options_of
 
 if TYPE_CHECKING:
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from meshdepict.scales import ScaleSpace
     from meshdepict.scene import Light, View
 
-__all__ = ["describe", "was_baked"]
+__all__ = ["comment_lines", "describe", "was_baked"]
 
 
 def describe(
@@ -58,6 +58,15 @@ def describe(
         "albedo": albedo,
         space.shape.kind: space.shape.identity,
     }
+
+
+def comment_lines(provenance: Mapping[str, str]) -> list[str]:
+    """Return provenance as lines for a file's header, in ASCII.
+
+    Headers that go beyond it are more than VTK and several PLY readers take.
+    """
+    lines = (f"{MARK}{key}: {text}" for key, text in provenance.items())
+    return [line.encode("ascii", "backslashreplace").decode() for line in lines]
 
 
 def was_baked(mesh: Mesh) -> bool:

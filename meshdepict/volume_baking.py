@@ -15,6 +15,7 @@ from meshdepict.baking import refuse_other_scales
 from meshdepict.errors import MeshdepictError
 from meshdepict.grid_scales import MEMORY, GridSpace, sample_bytes, space_of_mask
 from meshdepict.ladder import Progress
+from meshdepict.provenance import comment_lines
 from meshdepict.scene import View
 from meshdepict.volume_recipe import VolumeRecipe, volume_recipe
 from meshdepict.voxels.grid_samples import shaded_voxels
@@ -95,9 +96,7 @@ class BakedVolume:
         """
         from meshdepict.io.volumes import write_volume
 
-        lines = [f"meshdepict {key}: {text}" for key, text in self.provenance.items()]
-        ascii_lines = [line.encode("ascii", "backslashreplace").decode() for line in lines]
-        write_volume(path, self.rgba, self.shape, comments=ascii_lines)
+        write_volume(path, self.rgba, self.shape, comments=comment_lines(self.provenance))
         return Path(path)
 
     def to_pyvista(self) -> Any:

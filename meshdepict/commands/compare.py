@@ -72,11 +72,13 @@ def compare(
         auto: turn faces that look inwards before shading; keep: believe the file.
     """
     from meshdepict import comparison, comparison_report, samples
+    from meshdepict.batch import stem
     from meshdepict.io import read_mesh
     from meshdepict.targets import check_target
+    from meshdepict.viewer.drawing.figure import Figure
 
     threads.limit(cores)
-    name = source.name.partition(".")[0] if source is not None else "golf-ball"
+    name = stem(source)
     output = output or Path(f"{name}-compare.png")
     if output.is_dir():
         output = output / f"{name}-compare.png"
@@ -86,14 +88,15 @@ def compare(
         if path.suffix.lower() != _KINDS[option]:
             raise MeshdepictError(f"{option} {path}: end the name with {_KINDS[option]}")
         check_target(path, force=force)
+    pixels = Figure(size=size).pixels
+    assert pixels is not None  # as a size was given
     methods = tuple(method or comparison.METHODS)
     given = _options(options or [])
     lights = None if light is None else [parameters.as_light(text) for text in light]
-    wanted = parameters.as_size(size)
     with notes(source, quiet=quiet), progress_bar(name, quiet=quiet) as progress:
         mesh = samples.golf_ball() if source is None else read_mesh(source, winding=winding)
         found = comparison.compare(
-            mesh, methods, lights=lights, view=view, up=up, size=wanted, options=given,
+            mesh, methods, lights=lights, view=view, up=up, size=pixels, options=given,
             per_pixel=per_pixel, scales=6 if scales is None else scales, width=width,
             ratio=1.7 if ratio is None else ratio, facing=facing, tolerance=tolerance,
             progress=progress,

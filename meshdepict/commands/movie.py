@@ -84,7 +84,7 @@ def movie(
         "colormap": colormap,
     }  # fmt: skip
     if recipe is not None:
-        settings = _with_recipe(recipe, settings, given)
+        settings = parameters.session_settings(recipe, settings, given)
     settings |= parameters.method_options(settings["method"], options or [])
     if pixels_per_unit is not None and "size" not in given:
         size = None  # the object decides
@@ -106,15 +106,3 @@ def movie(
     print(  # noqa: T201
         f"{output}: {settings['method']}, {turn} turning, {count} frames, {taken:.1f} s"
     )
-
-
-def _with_recipe(recipe: str, settings: dict[str, Any], given: frozenset[str]) -> dict[str, Any]:
-    """Return the settings of a recipe, with those that were said instead of its own."""
-    from meshdepict.recipe import load_recipe, merge_recipe
-
-    said = {name: value for name, value in settings.items() if name in given}
-    merged = merge_recipe(load_recipe(recipe), said)
-    for name, plain in (("colormap2d", None), ("albedo", "none")):
-        if merged.pop(name, plain) != plain:
-            raise MeshdepictError(f"{recipe}: movies have no {name}; take it out of the recipe")
-    return merged

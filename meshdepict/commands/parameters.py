@@ -13,7 +13,8 @@ __all__ = [
     "DETAIL", "EVERYWHERE", "FIGURE", "FILES", "LOOK", "MOTION", "Background", "Colormap",
     "Cores", "Dpi", "Facing", "LightText", "Method", "Number", "Options", "PixelsPerUnit",
     "Quiet", "Ratio", "Refine", "ScaleBar", "Scales", "Size", "Tolerance", "Unit", "Up",
-    "View", "Width", "as_light", "as_numbers", "as_size", "method_options", "number",
+    "View", "Width", "as_light", "as_numbers", "method_options", "number",
+    "session_settings",
 ]  # fmt: skip
 
 FILES, MOTION, LOOK, DETAIL, FIGURE, EVERYWHERE = (
@@ -191,14 +192,6 @@ def as_light(text: str) -> Any:
     return numbers
 
 
-def as_size(text: str) -> tuple[int, int]:
-    """Return width and height in pixels from a text such as 1200x900."""
-    width, _, height = text.lower().partition("x")
-    if not (width.isdecimal() and height.isdecimal()):
-        raise MeshdepictError(f"--size {text} is not WIDTHxHEIGHT in pixels, such as 1200x900")
-    return int(width), int(height)
-
-
 def as_numbers(text: str, option: str, count: int) -> tuple[float, ...]:
     """Return so many numbers from a text such as 0.5,0.5,1."""
     try:
@@ -223,3 +216,25 @@ def method_options(method: str, given: Sequence[str]) -> dict[str, Any]:
             raise MeshdepictError(f"--set wants name=value, not {text!r}")
         texts[name.strip()] = value.strip()
     return check(function, texts, method)
+
+
+def session_settings(
+    recipe: str, settings: dict[str, Any], given: frozenset[str]
+) -> dict[str, Any]:
+    """Return the settings of a recipe, what was said first, for a viewer's session.
+
+    Raises
+    ------
+    MeshdepictError
+        For what recipes may have and sessions don't.
+    """
+    from meshdepict.recipe import load_recipe, merge_recipe
+
+    said = {name: value for name, value in settings.items() if name in given}
+    merged = merge_recipe(load_recipe(recipe), said)
+    for name, usual in (("colormap2d", None), ("albedo", "none"), ("refine", None)):
+        if merged.pop(name, usual) != usual:
+            raise MeshdepictError(
+                f"{recipe}: views and movies have no {name}; bake it, or take it out of the recipe"
+            )
+    return merged
