@@ -15,21 +15,22 @@ from typing import TYPE_CHECKING, Any
 from meshdepict.errors import MeshdepictError, MeshdepictWarning
 
 if TYPE_CHECKING:
-    from meshdepict import congruence, curvature, samples, shading
-    from meshdepict.baked import Baked
-    from meshdepict.baking import bake
-    from meshdepict.comparison import compare
-    from meshdepict.environment import Environment
-    from meshdepict.gbuffer import GBuffer
+    from meshdepict import congruence, curvature, shading
+    from meshdepict.baking.baked import Baked
+    from meshdepict.baking.recipe import load_recipe, save_recipe
+    from meshdepict.baking.surfaces import bake
+    from meshdepict.baking.volumes import bake_volume
+    from meshdepict.color.transfer_function import TransferFunction
+    from meshdepict.congruence.comparison import compare
     from meshdepict.io import read, read_mesh
     from meshdepict.io.volumes import read_volume
-    from meshdepict.mesh import Mesh
-    from meshdepict.recipe import load_recipe, save_recipe
-    from meshdepict.scales import ScaleSpace, scale_space, smooth_normals
-    from meshdepict.scene import Light, View
-    from meshdepict.transfer_function import TransferFunction
-    from meshdepict.volume import Volume
-    from meshdepict.volume_baking import bake_volume
+    from meshdepict.scales.space import ScaleSpace, scale_space, smooth_normals
+    from meshdepict.scene.environment import Environment
+    from meshdepict.scene.view import Light, View
+    from meshdepict.shapes import samples
+    from meshdepict.shapes.gbuffer import GBuffer
+    from meshdepict.shapes.mesh import Mesh
+    from meshdepict.shapes.volume import Volume
 
 __all__ = [
     "Baked",
@@ -60,26 +61,28 @@ __all__ = [
 ]
 
 _HOME = {
-    "Baked": "baked",
-    "Environment": "environment",
-    "GBuffer": "gbuffer",
-    "Light": "scene",
-    "Mesh": "mesh",
-    "ScaleSpace": "scales",
-    "TransferFunction": "transfer_function",
-    "View": "scene",
-    "Volume": "volume",
-    "bake": "baking",
-    "bake_volume": "volume_baking",
-    "compare": "comparison",
-    "load_recipe": "recipe",
+    "Baked": "baking.baked",
+    "Environment": "scene.environment",
+    "GBuffer": "shapes.gbuffer",
+    "Light": "scene.view",
+    "Mesh": "shapes.mesh",
+    "ScaleSpace": "scales.space",
+    "TransferFunction": "color.transfer_function",
+    "View": "scene.view",
+    "Volume": "shapes.volume",
+    "bake": "baking.surfaces",
+    "bake_volume": "baking.volumes",
+    "compare": "congruence.comparison",
+    "load_recipe": "baking.recipe",
     "read": "io",
     "read_mesh": "io",
     "read_volume": "io.volumes",
-    "save_recipe": "recipe",
-    "scale_space": "scales",
-    "smooth_normals": "scales",
+    "save_recipe": "baking.recipe",
+    "scale_space": "scales.space",
+    "smooth_normals": "scales.space",
 }
+
+_MODULES = {"samples": "shapes.samples"}
 
 
 def __getattr__(name: str) -> Any:
@@ -90,7 +93,7 @@ def __getattr__(name: str) -> Any:
     if name in _HOME:
         return getattr(importlib.import_module(f"meshdepict.{_HOME[name]}"), name)
     if name in __all__:
-        return importlib.import_module(f"meshdepict.{name}")
+        return importlib.import_module(f"meshdepict.{_MODULES.get(name, name)}")
     raise AttributeError(f"module 'meshdepict' has no attribute {name!r}")
 
 

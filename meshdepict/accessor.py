@@ -12,16 +12,17 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from meshdepict.baked import Baked
-from meshdepict.baking import as_mesh, bake, find_method
+from meshdepict.baking.baked import Baked
+from meshdepict.baking.surfaces import as_mesh, bake, find_method
 from meshdepict.errors import MeshdepictError
 from meshdepict.options import check, nearest, options_of
-from meshdepict.scales import ScaleSpace, scale_space
-from meshdepict.shading import METHODS, declaration
-from meshdepict.sheet import SCALARS, height_sheet, scalar_array
+from meshdepict.scales.space import ScaleSpace, scale_space
+from meshdepict.shading import METHODS
+from meshdepict.shading.method import declaration
+from meshdepict.shapes.sheet import SCALARS, height_sheet, scalar_array
 
 if TYPE_CHECKING:
-    from meshdepict.mesh import Mesh
+    from meshdepict.shapes.mesh import Mesh
 
 __all__ = ["Depict", "register"]
 
@@ -97,7 +98,7 @@ class Depict:
 
     def _shade_volume(self, method: str, scalars: str | None, settings: dict[str, Any]) -> Any:
         """Return the image with the voxels' colours and opacities, "RGBA"."""
-        from meshdepict.volume_baking import bake_volume
+        from meshdepict.baking.volumes import bake_volume
 
         image = self._dataset
         where, name = scalar_array(image, scalars)
@@ -220,7 +221,7 @@ def _dressed(dataset: Any, surface: _Surface, baked: Baked) -> Any:
 
 def _volume_of(image: Any, where: str, name: str) -> Any:
     """Return the volume of one array of an image."""
-    from meshdepict.volume import Volume
+    from meshdepict.shapes.volume import Volume
 
     alone = image.copy(deep=False)
     for data in (alone.point_data, alone.cell_data):

@@ -16,12 +16,12 @@ from pathlib import Path
 
 from PIL import Image
 
+from meshdepict.baking.volumes import bake_volume
+from meshdepict.drawing.figure import Figure
+from meshdepict.drawing.volume_picture import draw_volume
 from meshdepict.io.volumes import read_volume
-from meshdepict.samples import ct_phantom
-from meshdepict.viewer.drawing.figure import Figure
-from meshdepict.viewer.drawing.volume_picture import draw_volume
-from meshdepict.volume import Volume
-from meshdepict.volume_baking import bake_volume
+from meshdepict.shapes.samples import ct_phantom
+from meshdepict.shapes.volume import Volume
 
 OUTPUT = Path(__file__).resolve().parent.parent / "docs" / "ct.png"
 SIDE = 288  # pixels

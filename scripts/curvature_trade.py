@@ -33,8 +33,8 @@ from curvature_cases import (
 from exact_surfaces import Exact
 
 import meshdepict as md
-from meshdepict import samples
 from meshdepict.curvature import principal_curvatures
+from meshdepict.shapes import samples
 from meshdepict.threads import thread_count
 
 ROOT = Path(__file__).resolve().parent.parent

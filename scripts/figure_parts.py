@@ -14,13 +14,14 @@ import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
 import meshdepict as md
-from meshdepict import color, samples
-from meshdepict.baking import find_method
-from meshdepict.congruence import Judge
-from meshdepict.gbuffer import GBuffer
-from meshdepict.image_scales import image_space
-from meshdepict.scene import View, as_lights
+from meshdepict import color
+from meshdepict.baking.surfaces import find_method
+from meshdepict.congruence.judging import Judge
+from meshdepict.scales.image_scales import image_space
+from meshdepict.scene.view import View, as_lights
 from meshdepict.shading import declaration
+from meshdepict.shapes import samples
+from meshdepict.shapes.gbuffer import GBuffer
 
 BACKGROUND = (198, 205, 214)
 MARGIN = 8

@@ -9,10 +9,10 @@ import numpy as np
 from figure_parts import Shot, Stage, drawing, figure, page
 from PIL import Image
 
-from meshdepict.comparison import Comparison, compare
-from meshdepict.comparison_report import contact_sheet
-from meshdepict.congruence import light_directions, picture
-from meshdepict.material import Phong
+from meshdepict.congruence.comparison import Comparison, compare
+from meshdepict.congruence.judging import light_directions, picture
+from meshdepict.congruence.report import contact_sheet
+from meshdepict.scene.material import Phong
 from meshdepict.shading.light_alignment import align, confidence, transition
 
 METHODS = ("lambert", "light_alignment", "exaggerated", "light_warping", "radiance_scaling")

@@ -6,7 +6,7 @@ import numpy as np
 from figure_parts import Shot, Stage, crop, figure, page
 from PIL import Image
 
-from meshdepict.material import AshikhminShirley, Toon
+from meshdepict.scene.material import AshikhminShirley, Toon
 
 GLOSSY = AshikhminShirley(diffuse=0.35, reflectance=0.25, shininess=60.0)
 

@@ -8,9 +8,9 @@ import numpy as np
 from figure_parts import Shot, Stage, crop, drawing, figure, page
 from PIL import Image
 
-from meshdepict.gbuffer import GBuffer
-from meshdepict.material import AshikhminShirley, LitSphere, Phong, SubLambert, Toon
+from meshdepict.scene.material import AshikhminShirley, LitSphere, Phong, SubLambert, Toon
 from meshdepict.shading.radiance_scaling import scaling
+from meshdepict.shapes.gbuffer import GBuffer
 
 GLOSSY = AshikhminShirley(diffuse=0.35, reflectance=0.25, shininess=60.0)
 

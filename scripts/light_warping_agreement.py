@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import meshdepict as md
-from meshdepict.equirectangular import grid
+from meshdepict.scene.equirectangular import grid
 
 OUTPUT = Path(__file__).resolve().parent.parent / "docs" / "light_warping.png"
 COUNTS = tuple(16 * 2**k for k in range(9))

@@ -20,7 +20,7 @@ import numpy as np
 import pyvista as pv
 
 import meshdepict as md
-from meshdepict.viewer.drawing.canvas import place
+from meshdepict.drawing.canvas import place
 from meshdepict.viewer.live import LiveShading, live_methods
 
 # What a method is measured with, where its defaults would leave something out.

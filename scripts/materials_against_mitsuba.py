@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from meshdepict.material import (
+from meshdepict.scene.material import (
     AshikhminShirley,
     CookTorrance,
     Lambert,

@@ -24,14 +24,14 @@ from typing import Any, NamedTuple
 import numpy as np
 
 import meshdepict as md
-from meshdepict import samples
-from meshdepict.baking import find_method
-from meshdepict.color import linear_to_srgb
-from meshdepict.gbuffer import GBuffer
-from meshdepict.image_scales import image_space
-from meshdepict.interpolated_scales import InterpolatedSpace
-from meshdepict.scene import as_light
+from meshdepict.baking.surfaces import find_method
+from meshdepict.color.encoding import linear_to_srgb
+from meshdepict.scales.image_scales import image_space
+from meshdepict.scales.interpolated_scales import InterpolatedSpace
+from meshdepict.scene.view import as_light
 from meshdepict.shading import declaration
+from meshdepict.shapes import samples
+from meshdepict.shapes.gbuffer import GBuffer
 from meshdepict.threads import thread_count
 
 PLOT = Path(__file__).resolve().parent.parent / "docs" / "pixel_trade.png"

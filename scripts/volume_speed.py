@@ -20,11 +20,11 @@ from typing import Any
 
 import numpy as np
 
-from meshdepict.grid_scales import GridSpace
-from meshdepict.phantom import ct_phantom
+from meshdepict.baking.volumes import bake_volume
+from meshdepict.scales.grid_scales import GridSpace
+from meshdepict.shapes.phantom import ct_phantom
+from meshdepict.shapes.volume import Volume
 from meshdepict.threads import thread_count
-from meshdepict.volume import Volume
-from meshdepict.volume_baking import bake_volume
 from meshdepict.voxels.grid_sums import BINDING, GRADIENT
 
 

@@ -9,8 +9,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from meshdepict import samples, threads
-from meshdepict.mesh import Mesh
+from meshdepict import threads
+from meshdepict.shapes import samples
+from meshdepict.shapes.mesh import Mesh
 
 DATA = os.environ.get("MESHDEPICT_DATA")
 

@@ -10,8 +10,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from meshdepict import samples
-from meshdepict.mesh import Mesh
+from meshdepict.shapes import samples
+from meshdepict.shapes.mesh import Mesh
 
 AXES = np.array([1.0, 0.7, 0.5])  # of the ellipsoid
 MAJOR, MINOR = 1.0, 0.4  # of the torus

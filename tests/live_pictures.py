@@ -4,7 +4,7 @@ import numpy as np
 import pyvista as pv
 
 import meshdepict as md
-from meshdepict.viewer.drawing.picture import plot
+from meshdepict.drawing.picture import plot
 from meshdepict.viewer.live import LiveShading
 
 SIZE = (300, 300)

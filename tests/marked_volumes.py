@@ -7,7 +7,7 @@ import struct
 import numpy as np
 from conftest import rotation
 
-from meshdepict.volume import Volume
+from meshdepict.shapes.volume import Volume
 
 MARKS = {1001: (1, 2, 3), 1002: (4, 0, 6), 1003: (0, 5, 1)}  # value: voxel x, y, z
 

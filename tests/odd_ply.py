@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from meshdepict.mesh import Mesh
+from meshdepict.shapes.mesh import Mesh
 from meshdepict.surface.polygons import as_polygons
 
 CODES = {

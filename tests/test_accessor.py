@@ -15,10 +15,11 @@ import pytest
 import pyvista as pv
 
 import meshdepict as md
-from meshdepict import MeshdepictError, accessor, samples
+from meshdepict import MeshdepictError, accessor
 from meshdepict.options import options_of
 from meshdepict.shading import METHODS
-from meshdepict.sheet import height_sheet, scalar_array
+from meshdepict.shapes import samples
+from meshdepict.shapes.sheet import height_sheet, scalar_array
 
 ROOT = Path(__file__).resolve().parent.parent
 
@@ -272,8 +273,8 @@ def test_what_is_no_height_field_is_refused():
 
 
 def test_a_volume_gets_the_colors_of_bake_volume():
-    baking = pytest.importorskip("meshdepict.volume_baking", reason="volumes are shaded elsewhere")
-    from meshdepict.volume import Volume
+    baking = pytest.importorskip("meshdepict.baking.volumes", reason="volumes are shaded elsewhere")
+    from meshdepict.shapes.volume import Volume
 
     image = pv.ImageData(dimensions=(12, 10, 8), spacing=(1, 1, 1.5))
     distance = np.linalg.norm(np.asarray(image.points) - image.center, axis=1)

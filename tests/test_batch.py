@@ -7,8 +7,10 @@ import pytest
 from PIL import Image
 
 import meshdepict as md
-from meshdepict import batch, samples, threads
+from meshdepict import threads
+from meshdepict.commands import batch
 from meshdepict.io import read_mesh, read_provenance, write_mesh
+from meshdepict.shapes import samples
 
 
 def colors(path):
@@ -314,7 +316,7 @@ def test_a_fault_of_the_program_s_own_is_one_line_and_the_rest_goes_on(run, ball
     def broken(*arguments, **options):
         raise RuntimeError("that should not happen")
 
-    from meshdepict.baked import Baked
+    from meshdepict.baking.baked import Baked
 
     monkeypatch.setattr(Baked, "save", broken)
     code, lines, errors = run("bake", "ball.ply", "-m", "lambert")

@@ -7,7 +7,7 @@ import pytest
 from conftest import angle_between
 from scipy.optimize import brentq
 
-from meshdepict.images.bilateral import _rungs, bilateral_step, bilateral_taps
+from meshdepict.scales.bilateral import _rungs, bilateral_step, bilateral_taps
 
 H, W = 24, 30
 

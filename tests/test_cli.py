@@ -7,7 +7,7 @@ import sys
 import pytest
 
 import meshdepict as md
-from meshdepict import batch, report
+from meshdepict.commands import batch, report
 
 # --- help -----------------------------------------------------------------------------------------
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from meshdepict import MeshdepictError
-from meshdepict.color import (
+from meshdepict.color.encoding import (
     apply_colormap,
     colormap,
     encode,
@@ -202,7 +202,7 @@ def test_unknown_maps_are_refused_with_the_nearest(wrong, nearest):
 
 def test_packages_of_maps_are_imported_only_on_demand():
     code = (
-        "import sys; from meshdepict.color import encode\n"
+        "import sys; from meshdepict.color.encoding import encode\n"
         "for name in (None, 'gray', 'sepia', 'stone_r', 'gooch'):\n"
         "    encode([0.5], linear=True, colormap=name)\n"
         "packages = {'matplotlib', 'cmcrameri', 'colorcet', 'cmocean', 'scipy', 'pyvista', 'vtk'}\n"

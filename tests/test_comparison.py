@@ -9,12 +9,14 @@ import pytest
 from PIL import Image
 
 import meshdepict as md
-from meshdepict import comparison, comparison_report, congruence
-from meshdepict.comparison import compare
+from meshdepict import congruence
+from meshdepict.congruence import comparison
+from meshdepict.congruence import report as comparison_report
+from meshdepict.congruence.comparison import compare
 from meshdepict.errors import MeshdepictError
-from meshdepict.gbuffer import GBuffer
 from meshdepict.io import write_mesh
-from meshdepict.scales import scale_space
+from meshdepict.scales.space import scale_space
+from meshdepict.shapes.gbuffer import GBuffer
 
 SIZE = (120, 90)
 

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from meshdepict import congruence
+from meshdepict.congruence.structure_tensor import structure_tensor
 from meshdepict.errors import MeshdepictError
-from meshdepict.scene import View
-from meshdepict.structure_tensor import structure_tensor
+from meshdepict.scene.view import View
 
 REACH = 18  # three widths of both Gaussians, 3 + 15
 ROUNDING = 1e-6  # structure tensors are in single precision

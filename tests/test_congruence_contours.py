@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from meshdepict.contours import connected, mean_slopes, whole_windows
+from meshdepict.congruence.contours import connected, mean_slopes, whole_windows
 
 
 def parted(depth, mask=None):

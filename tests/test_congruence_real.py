@@ -5,8 +5,8 @@ import pytest
 import pyvista as pv
 
 from meshdepict import bake, congruence, scale_space
-from meshdepict.color import srgb_to_linear
-from meshdepict.scene import View
+from meshdepict.color.encoding import srgb_to_linear
+from meshdepict.scene.view import View
 from meshdepict.shading import METHODS, declaration
 
 SIZE = 400, 300

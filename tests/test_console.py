@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 
 import meshdepict as md
-from meshdepict import batch, console
 from meshdepict.cli import main
+from meshdepict.commands import batch, console
 from meshdepict.io import read_mesh
 
 

@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
-from meshdepict import Mesh, samples
-from meshdepict.defects import Defects, find_defects
+from meshdepict import Mesh
+from meshdepict.shapes import samples
+from meshdepict.shapes.defects import Defects, find_defects
 
 CLEAN = {
     "parts": 1,

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.ndimage import gaussian_filter
 
-from meshdepict.images.diffusion import STEP, diffuse, diffusion_width
+from meshdepict.scales.diffusion import STEP, diffuse, diffusion_width
 
 H, W = 20, 26
 

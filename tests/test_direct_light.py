@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from meshdepict import Environment, MeshdepictError, samples, scale_space, shading
-from meshdepict.material import (
+from meshdepict import Environment, MeshdepictError, scale_space, shading
+from meshdepict.scene.material import (
     AshikhminShirley,
     CookTorrance,
     HalfLambert,
@@ -18,11 +18,12 @@ from meshdepict.material import (
     specular_term,
     towards_visible,
 )
-from meshdepict.scene import Light, as_lights, as_view
+from meshdepict.scene.view import Light, as_lights, as_view
 from meshdepict.shading.direct import direct
 from meshdepict.shading.features import Frames, Scaling, eyes, features
 from meshdepict.shading.light_warping import jacobian, unwarp, warp_scale
 from meshdepict.shading.radiance_scaling import scaling
+from meshdepict.shapes import samples
 
 MATERIALS = [
     Lambert(0.8),

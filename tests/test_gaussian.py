@@ -1,10 +1,11 @@
 import numpy as np
 import pytest
 
-from meshdepict import gaussian, samples
-from meshdepict.gaussian import gaussian_sums
+from meshdepict.shapes import samples
 from meshdepict.sums import direct_sums as direct
+from meshdepict.sums import gaussian
 from meshdepict.sums import spectral_sums as spectral
+from meshdepict.sums.gaussian import gaussian_sums
 
 WIDTHS = [0.01, 0.05, 0.2, 1.0, 10.0]
 

@@ -6,14 +6,15 @@ import numpy as np
 import pytest
 from scipy.ndimage import binary_dilation, binary_erosion, maximum_filter, minimum_filter
 
-from meshdepict import samples, scale_space
+from meshdepict import scale_space
 from meshdepict.errors import MeshdepictError
-from meshdepict.fingerprint import fingerprint
-from meshdepict.gbuffer import GBuffer
-from meshdepict.images.pixels import projected
-from meshdepict.mesh import Mesh
-from meshdepict.scene import VIEWS, View
+from meshdepict.scene.view import VIEWS, View
 from meshdepict.shading import lambert
+from meshdepict.shapes import samples
+from meshdepict.shapes.fingerprint import fingerprint
+from meshdepict.shapes.gbuffer import GBuffer
+from meshdepict.shapes.mesh import Mesh
+from meshdepict.shapes.pixels import projected
 
 SIZE = (120, 90)
 

@@ -7,11 +7,11 @@ import pytest
 from PIL import Image
 
 from meshdepict.errors import MeshdepictError, MeshdepictWarning
-from meshdepict.gbuffer import GBuffer
-from meshdepict.image_scales import image_space
 from meshdepict.images.image_files import read_image
-from meshdepict.scene import View
+from meshdepict.scales.image_scales import image_space
+from meshdepict.scene.view import View
 from meshdepict.shading import ambient_occlusion
+from meshdepict.shapes.gbuffer import GBuffer
 
 H, W = 30, 40
 

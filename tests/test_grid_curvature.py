@@ -7,8 +7,8 @@ import pytest
 from conftest import rotation
 from scipy.special import erf
 
-from meshdepict.grid_scales import GridSpace, grid_space
-from meshdepict.volume import Volume
+from meshdepict.scales.grid_scales import GridSpace, grid_space
+from meshdepict.shapes.volume import Volume
 
 RADIUS = 9.0
 WIDTHS = np.array([0.0, 1.3, 2.0])

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 from conftest import angle_between, rotation
 
+from meshdepict.color.transfer import TransferFunction
 from meshdepict.errors import MeshdepictError
-from meshdepict.grid_scales import GridSpace, grid_space
-from meshdepict.phantom import ct_phantom
+from meshdepict.scales.grid_scales import GridSpace, grid_space
 from meshdepict.shading import METHODS
-from meshdepict.transfer import TransferFunction
-from meshdepict.volume import Volume
+from meshdepict.shapes.phantom import ct_phantom
+from meshdepict.shapes.volume import Volume
 
 BONE = TransferFunction([(200, 0, (1, 0.9, 0.8)), (400, 1, (1, 1, 1))])
 

@@ -5,7 +5,7 @@ import pytest
 from scipy.spatial import cKDTree
 
 from meshdepict import MeshdepictError
-from meshdepict.icosahedron import icosahedron, icosphere, lattice_points
+from meshdepict.surface.icosahedron import icosahedron, icosphere, lattice_points
 
 
 def fifth_of_a_turn(points):

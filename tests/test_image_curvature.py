@@ -6,9 +6,9 @@ from scipy.ndimage import binary_erosion, sobel
 
 from meshdepict import scale_space
 from meshdepict.errors import MeshdepictError
-from meshdepict.gbuffer import GBuffer
-from meshdepict.image_scales import image_space
-from meshdepict.scene import View
+from meshdepict.scales.image_scales import image_space
+from meshdepict.scene.view import View
+from meshdepict.shapes.gbuffer import GBuffer
 
 N, R = 101, 40.0
 y, x = N // 2 - np.mgrid[:N, :N][0], np.mgrid[:N, :N][1] - N // 2

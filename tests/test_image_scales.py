@@ -6,14 +6,15 @@ import numpy as np
 import pytest
 from conftest import angle_between, rotation
 
-from meshdepict import samples, scale_space
+from meshdepict import scale_space
 from meshdepict.errors import MeshdepictError
-from meshdepict.gbuffer import GBuffer
-from meshdepict.image_scales import FILTERS, image_space
-from meshdepict.images.diffusion import diffusion_width
 from meshdepict.options import options_of
-from meshdepict.scene import View, as_light
+from meshdepict.scales.diffusion import diffusion_width
+from meshdepict.scales.image_scales import FILTERS, image_space
+from meshdepict.scene.view import View, as_light
 from meshdepict.shading import METHODS
+from meshdepict.shapes import samples
+from meshdepict.shapes.gbuffer import GBuffer
 
 every_method = pytest.mark.parametrize("method", METHODS)
 SIZE = (64, 48)

@@ -15,7 +15,7 @@ from conftest import tetrahedron
 
 from meshdepict.errors import MeshdepictError
 from meshdepict.io import read, read_mesh, read_provenance, text, write_mesh
-from meshdepict.mesh import Mesh
+from meshdepict.shapes.mesh import Mesh
 
 HEADER = b"""ply
 format ascii 1.0

@@ -14,9 +14,9 @@ import pytest
 from meshdepict import read as lazy_read
 from meshdepict.errors import MeshdepictError, MeshdepictWarning
 from meshdepict.io import read, read_mesh, read_provenance, write_mesh
-from meshdepict.io.document import as_bytes
 from meshdepict.io.source import FORMATS, WRITABLE
-from meshdepict.mesh import Mesh
+from meshdepict.shapes.document import as_bytes
+from meshdepict.shapes.mesh import Mesh
 from meshdepict.surface.polygons import as_polygons
 
 TRIANGLES_ONLY = (".glb", ".gltf")

@@ -14,10 +14,10 @@ import pytest
 import trimesh
 from conftest import rotation, tetrahedron
 
-from meshdepict.color import srgb_to_linear
+from meshdepict.color.encoding import srgb_to_linear
 from meshdepict.errors import MeshdepictError, MeshdepictWarning
 from meshdepict.io import read_mesh, read_provenance, write_mesh
-from meshdepict.mesh import Mesh
+from meshdepict.shapes.mesh import Mesh
 
 KINDS = {"i1": 5120, "u1": 5121, "i2": 5122, "u2": 5123, "u4": 5125, "f4": 5126}
 SHAPES = {1: "SCALAR", 2: "VEC2", 3: "VEC3", 4: "VEC4"}

@@ -12,7 +12,7 @@ from conftest import tetrahedron
 
 from meshdepict.errors import MeshdepictWarning
 from meshdepict.io import read_mesh, read_provenance, write_mesh
-from meshdepict.mesh import Mesh
+from meshdepict.shapes.mesh import Mesh
 
 SQUARE = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n"
 

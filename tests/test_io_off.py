@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from meshdepict.io import read_mesh, read_provenance, write_mesh
-from meshdepict.mesh import Mesh
+from meshdepict.shapes.mesh import Mesh
 from meshdepict.surface.polygons import as_polygons
 
 FACES = "3 0 1 2\n4 0 1 3 2\n"

@@ -14,8 +14,8 @@ from odd_ply import ENCODINGS, OURS, colors_of, polygons_of, random_colors
 
 from meshdepict.errors import MeshdepictWarning
 from meshdepict.io import read_mesh, read_provenance, write_mesh
-from meshdepict.io.document import Document
-from meshdepict.mesh import Mesh
+from meshdepict.shapes.document import Document
+from meshdepict.shapes.mesh import Mesh
 
 # --- colours ------------------------------------------------------------------------------------
 

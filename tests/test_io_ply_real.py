@@ -12,7 +12,7 @@ import pytest
 from odd_ply import OURS, colors_of, random_colors
 
 from meshdepict.io import read_mesh, read_provenance, write_mesh
-from meshdepict.mesh import Mesh
+from meshdepict.shapes.mesh import Mesh
 from meshdepict.surface.polygons import Polygons, as_polygons
 
 REAL = {  # vertices, polygons, after the manifest

@@ -11,7 +11,7 @@ import pyvista as pv
 
 from meshdepict.errors import MeshdepictError, MeshdepictWarning
 from meshdepict.io import read_mesh, read_provenance, vtp, write_mesh
-from meshdepict.mesh import Mesh
+from meshdepict.shapes.mesh import Mesh
 
 OURS = ["meshdepict one", "meshdepict two"]
 

@@ -6,8 +6,8 @@ from conftest import rotation
 
 import meshdepict as md
 from meshdepict.errors import MeshdepictError
-from meshdepict.isosurface import isosurface
-from meshdepict.volume import Volume
+from meshdepict.shapes.isosurface import isosurface
+from meshdepict.shapes.volume import Volume
 
 RADIUS = 7.0
 CENTRE = np.array((300.0, -20.0, 7.0))

@@ -5,7 +5,7 @@ import pytest
 from conftest import rotation
 
 import meshdepict as md
-import meshdepict.material
+import meshdepict.scene.material
 from meshdepict.errors import MeshdepictError
 from meshdepict.shading import light_alignment
 from meshdepict.shading.light_alignment import align, confidence, transition
@@ -209,7 +209,7 @@ def test_there_is_detail_on_the_dark_side(space):
     assert light_alignment(space, light, strength=1.0)[dark].std() > 0.05
 
 
-GLOSS = md.material.Phong(ambient=0.0, diffuse=0.0, specular=1.0, shininess=20.0)
+GLOSS = md.scene.material.Phong(ambient=0.0, diffuse=0.0, specular=1.0, shininess=20.0)
 
 
 def test_highlights_and_transmission_have_their_own_lights(space):
@@ -226,12 +226,12 @@ def test_highlights_and_transmission_have_their_own_lights(space):
 
 @pytest.mark.parametrize("name", ["lambert", "phong", "cook_torrance", "ashikhmin_shirley"])
 def test_unaligned_materials_are_themselves(space, name):
-    material = md.material.as_material(name)
+    material = md.scene.material.as_material(name)
     light = md.Light((-1, 1, 1)).direction
     n, eye = space.normals[0].astype(float), np.array([0, 0, 1.0])
-    expected = md.material.ambient_term(material) + sum(
+    expected = md.scene.material.ambient_term(material) + sum(
         term(material, n, light, eye)
-        for term in (md.material.diffuse_term, md.material.specular_term)
+        for term in (md.scene.material.diffuse_term, md.scene.material.specular_term)
     )
     got = light_alignment(space, light, material=name, strength=0.0, specular_strength=0.0)
     front = n @ eye > 0.01  # where the eye is not mirrored

@@ -3,11 +3,12 @@
 import numpy as np
 import pytest
 
-from meshdepict import Environment, MeshdepictError, samples, scale_space, shading
-from meshdepict.material import Mirror, Refractive, Toon, soft_steps
-from meshdepict.scene import Light, as_view
+from meshdepict import Environment, MeshdepictError, scale_space, shading
+from meshdepict.scene.material import Mirror, Refractive, Toon, soft_steps
+from meshdepict.scene.view import Light, as_view
 from meshdepict.shading.features import features
 from meshdepict.shading.light_warping import warp, warp_scale
+from meshdepict.shapes import samples
 
 MATERIALS = ["lambert", "sub_lambert", "phong", "cook_torrance", "ashikhmin_shirley", "toon"]
 

@@ -7,8 +7,8 @@ import pytest
 from live_pictures import compare, difference, drawn, portrait
 
 import meshdepict as md
-from meshdepict import samples
 from meshdepict.options import options_of
+from meshdepict.shapes import samples
 from meshdepict.viewer.live import LiveShading, live_methods
 from meshdepict.viewer.live.look import _METHODS
 
@@ -34,7 +34,7 @@ OPTIONS = {
         {"strength": ALIGNED, "diffuse": 0.7, "exposure": 1.3},
         {"material": "phong", "strength": 0.0, "specular_strength": 0.5, "shininess": 8.0},
         {"material": "phong", "sharpness": 0.0, "specular": 0.6},
-        {"material": md.material.Phong(0.2, 0.5, 0.4, 10.0), "sharpness": 6.0},
+        {"material": md.scene.material.Phong(0.2, 0.5, 0.4, 10.0), "sharpness": 6.0},
     ],
     "radiance_scaling": [
         {"material": "lambert", "gain": 2.0, "invariant": 0.1, "exposure": 0.8},
@@ -99,7 +99,7 @@ def test_idle_options_change_nothing(space, method):
 @pytest.mark.parametrize("colormap", ["gooch", "stone_r"])
 def test_colour_maps(space, method, colormap):
     """A level of grey may be another entry of the table: two of its steps."""
-    from meshdepict.color import colormap as table
+    from meshdepict.color.encoding import colormap as table
 
     step = np.abs(np.diff(table(colormap).astype(int), axis=0)).max()
     found = compare(space, method, colormap=colormap)

@@ -6,15 +6,15 @@ import numpy as np
 import pytest
 from volume_shapes import EDGE, WHITE, blobs
 
+from meshdepict.baking.volumes import bake_volume
+from meshdepict.color.transfer import TransferFunction
+from meshdepict.drawing.canvas import place
+from meshdepict.drawing.volume_scene import add_baked
 from meshdepict.errors import MeshdepictError
-from meshdepict.scales import scale_space
-from meshdepict.scene import View
-from meshdepict.transfer import TransferFunction
-from meshdepict.viewer.drawing.canvas import place
-from meshdepict.viewer.drawing.volume_scene import add_baked
+from meshdepict.scales.space import scale_space
+from meshdepict.scene.view import View
 from meshdepict.viewer.live import live_methods, look, volume_shading
 from meshdepict.viewer.live.volume_shading import LiveVolume
-from meshdepict.volume_baking import bake_volume
 
 pv = pytest.importorskip("pyvista")
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from meshdepict import MeshdepictError
-from meshdepict.material import (
+from meshdepict.scene.material import (
     MATERIALS,
     AshikhminShirley,
     CookTorrance,

@@ -2,9 +2,9 @@ import numpy as np
 import pytest
 from conftest import angle_between, rotation, tetrahedron
 
-from meshdepict import samples
 from meshdepict.errors import MeshdepictError, MeshdepictWarning
-from meshdepict.mesh import Mesh
+from meshdepict.shapes import samples
+from meshdepict.shapes.mesh import Mesh
 from meshdepict.surface.polygons import Polygons
 
 # A box of four walls, open at its ends, as quadrilaterals …

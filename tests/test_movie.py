@@ -7,18 +7,19 @@ import pytest
 from PIL import Image, ImageSequence
 
 import meshdepict as md
-from meshdepict import MeshdepictError, samples
-from meshdepict.lights import Lights
-from meshdepict.viewer.drawing import encoding
-from meshdepict.viewer.drawing.encoding import (
+from meshdepict import MeshdepictError
+from meshdepict.drawing import encoding
+from meshdepict.drawing.encoding import (
     gif_speed,
     read_movie_provenance,
     write_gif,
     write_mp4,
 )
-from meshdepict.viewer.drawing.figure import Figure
-from meshdepict.viewer.drawing.motion import circling, rotation, turned, turned_light
-from meshdepict.viewer.drawing.movie import check_movie, save_movie
+from meshdepict.drawing.figure import Figure
+from meshdepict.drawing.motion import circling, rotation, turned, turned_light
+from meshdepict.drawing.movie import check_movie, save_movie
+from meshdepict.scene.light import Lights
+from meshdepict.shapes import samples
 from meshdepict.viewer.session import Session
 
 SMALL = Figure(size=(60, 50))

@@ -5,9 +5,10 @@ import pytest
 from conftest import rotation
 
 import meshdepict as md
-from meshdepict import occlusion, threads
+from meshdepict import threads
 from meshdepict.errors import MeshdepictError
-from meshdepict.occlusion import ambient_openness, sky_openness
+from meshdepict.transport import occlusion
+from meshdepict.transport.occlusion import ambient_openness, sky_openness
 
 UP = np.array([0.0, 0.0, 1.0])
 

@@ -6,8 +6,8 @@ import plyfile
 import pytest
 from windings import BALL, CUBE, both, flips, inside_out, moved, opened, scrambled, sheet, turned
 
-from meshdepict.icosahedron import icosphere
 from meshdepict.surface.edges import cleaned
+from meshdepict.surface.icosahedron import icosphere
 from meshdepict.surface.orientation import orient
 
 # --- closed surfaces ------------------------------------------------------------------------

@@ -9,14 +9,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from meshdepict.baking.out_of_core import bake_out_of_core, lazy_rgba
+from meshdepict.baking.volumes import bake_volume
+from meshdepict.baking.voxel_shading import volume_recipe
+from meshdepict.color.transfer import TransferFunction
 from meshdepict.errors import MeshdepictError
-from meshdepict.out_of_core import bake_out_of_core, lazy_rgba
-from meshdepict.phantom import ct_phantom
-from meshdepict.transfer import TransferFunction
-from meshdepict.volume import Volume
-from meshdepict.volume_baking import bake_volume
-from meshdepict.volume_place import Place
-from meshdepict.volume_recipe import volume_recipe
+from meshdepict.shapes.phantom import ct_phantom
+from meshdepict.shapes.place import Place
+from meshdepict.shapes.volume import Volume
 
 da = pytest.importorskip("dask.array")
 zarr = pytest.importorskip("zarr")

@@ -9,8 +9,9 @@ import pytest
 from PIL import Image
 
 import meshdepict as md
-from meshdepict import MeshdepictError, samples
-from meshdepict.viewer.drawing.picture import check_picture, read_picture_provenance
+from meshdepict import MeshdepictError
+from meshdepict.drawing.picture import check_picture, read_picture_provenance
+from meshdepict.shapes import samples
 
 
 def pixels(path):
@@ -162,7 +163,7 @@ def test_a_scale_bar_fits_any_view_and_leaves_a_view_of_one_s_own_as_it_is(bar, 
 
 
 def test_a_poster_is_drawn_with_fewer_samples_rather_than_not_at_all():
-    from meshdepict.viewer.drawing.canvas import _samples
+    from meshdepict.drawing.canvas import _samples
 
     assert [_samples(size) for size in ((1000, 1000), (3500, 2500), (16384, 16384))] == [3, 2, 1]
     assert _samples((9000, 10)) == 1  # its window would be too wide

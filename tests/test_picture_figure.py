@@ -5,10 +5,11 @@ import pytest
 from PIL import Image
 
 import meshdepict as md
-from meshdepict import MeshdepictError, samples
-from meshdepict.viewer.drawing.canvas import on_ground
-from meshdepict.viewer.drawing.figure import Figure
-from meshdepict.viewer.drawing.framing import frame
+from meshdepict import MeshdepictError
+from meshdepict.drawing.canvas import on_ground
+from meshdepict.drawing.figure import Figure
+from meshdepict.drawing.framing import frame
+from meshdepict.shapes import samples
 
 
 @pytest.mark.parametrize(
@@ -94,7 +95,7 @@ def corners(shape, framing, view):
 @pytest.mark.parametrize("name", ["front", "isometric", "top"])
 @pytest.mark.parametrize("words", [{}, {"pixels_per_unit": 40}, {"scale_bar": True}])
 def test_a_turning_object_stays_in_its_picture_and_fills_it(name, words):
-    from meshdepict.viewer.drawing.motion import turned
+    from meshdepict.drawing.motion import turned
 
     ball = samples.sphere(162)
     shape = md.Mesh(ball.vertices * (3, 1, 0.5) + (7, 8, 9), ball.faces)

@@ -4,14 +4,15 @@ import numpy as np
 import pytest
 from conftest import rotation
 
-from meshdepict import samples, scale_space
+from meshdepict import scale_space
 from meshdepict.curvature import principal
 from meshdepict.errors import MeshdepictError
-from meshdepict.mesh import Mesh
 from meshdepict.shading import exaggerated
 from meshdepict.shading.attention import remoteness
 from meshdepict.shading.exaggerated import SINGULAR_LIGHT, band_weights, soft_toon
 from meshdepict.shading.principal_light import principal_light
+from meshdepict.shapes import samples
+from meshdepict.shapes.mesh import Mesh
 
 LIGHT = np.array([-1.0, 2.0, 3.0]) / 14**0.5
 

@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 
 import meshdepict as md
-from meshdepict import Environment, MeshdepictError, View, samples, scale_space, shading
-from meshdepict.material import AshikhminShirley, LitSphere, Mirror, Phong, Refractive, Toon
-from meshdepict.scene import Light
+from meshdepict import Environment, MeshdepictError, View, scale_space, shading
+from meshdepict.scene.material import AshikhminShirley, LitSphere, Mirror, Phong, Refractive, Toon
+from meshdepict.scene.view import Light
 from meshdepict.shading.radiance_scaling import scaling
+from meshdepict.shapes import samples
 
 GRAYS = ["lambert", "half_lambert", "sub_lambert", "phong", "cook_torrance", "ashikhmin_shirley"]
 
@@ -120,7 +121,7 @@ def test_mirrors_show_the_environment_scaled(space, light, material):
 
 
 def test_lit_spheres_one_and_two(space):
-    from meshdepict.color import linear_to_srgb
+    from meshdepict.color.encoding import linear_to_srgb
 
     plain = shading.radiance_scaling(space, "north", material="lit_sphere", magnitude=0)
     np.testing.assert_allclose(linear_to_srgb(plain), shading.lit_sphere(space, "north"), atol=1e-5)
@@ -136,7 +137,7 @@ def test_lit_spheres_one_and_two(space):
 def test_toon_quantises_what_was_scaled(space):
     scaled = shading.radiance_scaling(space, "northwest", material="lambert", exposure=0.8)
     toon = shading.radiance_scaling(space, "northwest", material=Toon(5, 9), exposure=0.8)
-    expected = md.material.soft_steps(scaled, bins=5, sharpness=9)
+    expected = md.scene.material.soft_steps(scaled, bins=5, sharpness=9)
     np.testing.assert_allclose(toon, expected, atol=1e-5)
     fewer = shading.radiance_scaling(space, "northwest", material="toon", bins=2)
     same = shading.radiance_scaling(space, "northwest", material=Toon(bins=2))

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 import meshdepict as md
+from meshdepict.baking.recipe import load_recipe, merge_recipe, save_recipe
 from meshdepict.errors import MeshdepictError
-from meshdepict.recipe import load_recipe, merge_recipe, save_recipe
 
 
 @pytest.mark.parametrize(
@@ -123,7 +123,7 @@ def test_other_files_are_not_replaced(run, ball_ply):
 
 
 def test_what_no_file_can_hold_is_refused(folder):
-    from meshdepict.material import Phong
+    from meshdepict.scene.material import Phong
 
     material = Phong(shininess=5)
     with pytest.raises(MeshdepictError, match="a recipe can't hold material="):

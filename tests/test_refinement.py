@@ -5,14 +5,14 @@ import pytest
 from conftest import angle_between
 
 import meshdepict as md
-from meshdepict import refinement
-from meshdepict.color import linear_to_srgb
+from meshdepict.baking import refinement
+from meshdepict.color.encoding import linear_to_srgb
 from meshdepict.errors import MeshdepictError
-from meshdepict.interpolated_scales import InterpolatedSpace
-from meshdepict.mesh import Mesh
-from meshdepict.samples import sphere as make_sphere
-from meshdepict.samples import torus
+from meshdepict.scales.interpolated_scales import InterpolatedSpace
 from meshdepict.shading import METHODS, declaration
+from meshdepict.shapes.mesh import Mesh
+from meshdepict.shapes.samples import sphere as make_sphere
+from meshdepict.shapes.samples import torus
 from meshdepict.surface.edges import is_balanced
 
 LOCAL = [name for name, function in METHODS.items() if declaration(function).local]

@@ -4,10 +4,12 @@ import numpy as np
 import pytest
 
 import meshdepict as md
-from meshdepict import report, samples, threads
+from meshdepict import threads
+from meshdepict.commands import report
 from meshdepict.io import write_mesh
 from meshdepict.options import options_of
 from meshdepict.shading import METHODS, declaration
+from meshdepict.shapes import samples
 
 # --- methods --------------------------------------------------------------------------------------
 

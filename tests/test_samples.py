@@ -6,8 +6,9 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
-from meshdepict import MeshdepictError, samples
-from meshdepict.icosahedron import lattice_points
+from meshdepict import MeshdepictError
+from meshdepict.shapes import samples
+from meshdepict.surface.icosahedron import lattice_points
 
 CLOSED = [
     (samples.sphere(1000), 2),

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from meshdepict.viewer.drawing.scale_bar import _font, scale_bar
+from meshdepict.drawing.scale_bar import _font, scale_bar
 
 
 @pytest.mark.parametrize("extent", [1e-9, 0.0334, 0.9999, 1.0, 3.3333, 7, 66.6, 123456, 1e12])

@@ -4,11 +4,13 @@ import numpy as np
 import pytest
 from conftest import angle_between, rotation
 
-from meshdepict import mesh_scales, samples, scale_space, smooth_normals
+from meshdepict import scale_space, smooth_normals
 from meshdepict.errors import MeshdepictError
-from meshdepict.ladder import resolve_width
-from meshdepict.mesh import Mesh
-from meshdepict.scene import View
+from meshdepict.scales import mesh_scales
+from meshdepict.scales.ladder import resolve_width
+from meshdepict.scene.view import View
+from meshdepict.shapes import samples
+from meshdepict.shapes.mesh import Mesh
 
 
 def exact_ladder(mesh, widths, facing, chosen=None):

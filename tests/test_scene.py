@@ -2,11 +2,11 @@ import numpy as np
 import pytest
 from conftest import rotation
 
-from meshdepict import samples
 from meshdepict.errors import MeshdepictError
-from meshdepict.mesh import Mesh
-from meshdepict.scene import LIGHTS, VIEWS, Light, View, as_light, as_view, named_directions
-from meshdepict.upright import UPS
+from meshdepict.scene.upright import UPS
+from meshdepict.scene.view import LIGHTS, VIEWS, Light, View, as_light, as_view, named_directions
+from meshdepict.shapes import samples
+from meshdepict.shapes.mesh import Mesh
 
 SQRT3 = 3**0.5
 

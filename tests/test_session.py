@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from meshdepict import bake
-from meshdepict.baking import scale_space
+from meshdepict.baking.surfaces import scale_space
 from meshdepict.errors import MeshdepictError
 from meshdepict.shading import METHODS
 from meshdepict.viewer import session as session_module

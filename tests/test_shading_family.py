@@ -6,12 +6,13 @@ import numpy as np
 import pytest
 from conftest import DATA, rotation, tetrahedron
 
-from meshdepict import samples, scale_space, shading
+from meshdepict import scale_space, shading
 from meshdepict.errors import MeshdepictError
-from meshdepict.mesh import Mesh
 from meshdepict.options import check, options_of
-from meshdepict.scene import Light, View
+from meshdepict.scene.view import Light, View
 from meshdepict.shading import METHODS, declaration
+from meshdepict.shapes import samples
+from meshdepict.shapes.mesh import Mesh
 
 every_method = pytest.mark.parametrize("method", METHODS)
 

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from windings import BALL, CUBE, both, flips, inside_out, moved, opened, sheet, tube, turned
 
-from meshdepict.icosahedron import icosphere
 from meshdepict.surface.edges import cleaned
+from meshdepict.surface.icosahedron import icosphere
 from meshdepict.surface.orientation import _foretold, orient
 from meshdepict.surface.sidedness import _spread, looks_inward
 

@@ -3,10 +3,11 @@
 import numpy as np
 import pytest
 
-from meshdepict import MeshdepictError, samples, scale_space, shading
-from meshdepict.color import srgb_to_linear
-from meshdepict.material import LitSphere, soft_steps
-from meshdepict.scene import Light
+from meshdepict import MeshdepictError, scale_space, shading
+from meshdepict.color.encoding import srgb_to_linear
+from meshdepict.scene.material import LitSphere, soft_steps
+from meshdepict.scene.view import Light
+from meshdepict.shapes import samples
 
 
 @pytest.fixture(scope="module")

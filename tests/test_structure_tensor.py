@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from meshdepict.structure_tensor import StructureTensor, reach, structure_tensor
+from meshdepict.congruence.structure_tensor import StructureTensor, reach, structure_tensor
 
 ROUNDING = 2.0**-24  # of single precision
 MARGIN = reach(1) + reach(5)

@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
+from meshdepict.color.transfer import PRESETS, TransferFunction, for_volume, landmarks, preset
 from meshdepict.errors import MeshdepictError, MeshdepictWarning
 from meshdepict.io.volumes import read_volume
-from meshdepict.phantom import ct_phantom
-from meshdepict.transfer import PRESETS, TransferFunction, for_volume, landmarks, preset
-from meshdepict.volume import Volume
+from meshdepict.shapes.phantom import ct_phantom
+from meshdepict.shapes.volume import Volume
 
 POINTS = [
     (-100, 0.0, (1.0, 0.0, 0.0)),
@@ -186,7 +186,7 @@ def test_presets_show_their_tissue_and_hide_others(name, seen, hidden):
 
 
 def test_every_preset_of_the_file_is_offered():
-    from meshdepict.transfer import _presets
+    from meshdepict.color.transfer import _presets
 
     assert tuple(_presets()) == PRESETS
     with pytest.raises(

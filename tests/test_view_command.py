@@ -4,7 +4,7 @@ import types
 import pytest
 
 from meshdepict import viewer
-from meshdepict.recipe import save_recipe
+from meshdepict.baking.recipe import save_recipe
 
 pytest.importorskip("pyvista")
 

@@ -3,10 +3,11 @@
 import numpy as np
 import pytest
 
-from meshdepict import bake, samples, scale_space, shading
+from meshdepict import bake, scale_space, shading
 from meshdepict.errors import MeshdepictError
-from meshdepict.mesh import Mesh
-from meshdepict.scene import View
+from meshdepict.scene.view import View
+from meshdepict.shapes import samples
+from meshdepict.shapes.mesh import Mesh
 
 LIGHT = "northwest"  # it isn't looked at
 FLAT = np.array([0.93, 0.92, 0.89])

@@ -7,7 +7,7 @@ import pytest
 from conftest import rotation
 
 from meshdepict.errors import MeshdepictError
-from meshdepict.volume import Volume
+from meshdepict.shapes.volume import Volume
 
 
 @pytest.fixture
@@ -78,7 +78,7 @@ def test_rounded_directions_become_orthonormal(values, rng):
 
 
 def test_range_is_of_all_slabs(values, monkeypatch):
-    monkeypatch.setattr("meshdepict.volume._SLAB", 12)  # one slice a slab
+    monkeypatch.setattr("meshdepict.shapes.volume._SLAB", 12)  # one slice a slab
     volume = Volume(values)
     assert len(list(volume.slabs())) == 5
     assert volume.range == (values.min(), values.max())
@@ -180,7 +180,7 @@ def test_what_is_no_volume_is_refused(wrong, sentence):
 
 @pytest.mark.parametrize("slab", [9, 1 << 22])
 def test_nan_are_counted_and_the_first_is_named(rng, monkeypatch, slab):
-    monkeypatch.setattr("meshdepict.volume._SLAB", slab)
+    monkeypatch.setattr("meshdepict.shapes.volume._SLAB", slab)
     values = rng.random((4, 3, 3))
     values[1, 2, 0] = np.nan
     values[3, 0, 1] = np.inf

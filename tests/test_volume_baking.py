@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 
 from meshdepict import color
+from meshdepict.baking.volumes import BakedVolume, bake_volume
+from meshdepict.color.transfer import TransferFunction
 from meshdepict.errors import MeshdepictError
-from meshdepict.grid_scales import grid_space, sample_bytes
-from meshdepict.phantom import ct_phantom
+from meshdepict.scales.grid_scales import grid_space, sample_bytes
 from meshdepict.shading import METHODS
-from meshdepict.transfer import TransferFunction
-from meshdepict.volume import Volume
-from meshdepict.volume_baking import BakedVolume, bake_volume
+from meshdepict.shapes.phantom import ct_phantom
+from meshdepict.shapes.volume import Volume
 
 BONE = TransferFunction([(200, 0, (1, 0.9, 0.8)), (400, 0.5, (0.5, 0.8, 1))], name="bone-like")
 

@@ -8,9 +8,9 @@ from PIL import Image
 
 import meshdepict as md
 from meshdepict import bake_volume
+from meshdepict.drawing.slices import draw_slice
 from meshdepict.errors import MeshdepictError
 from meshdepict.io.volumes import read_volume, write_volume
-from meshdepict.viewer.drawing.slices import draw_slice
 
 
 @pytest.fixture

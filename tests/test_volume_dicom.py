@@ -9,7 +9,7 @@ from dicom_files import write_dicom, write_series
 
 from meshdepict.errors import MeshdepictError, MeshdepictWarning
 from meshdepict.io.volumes import read_volume
-from meshdepict.volume import Volume
+from meshdepict.shapes.volume import Volume
 
 sitk = pytest.importorskip("SimpleITK", reason="SimpleITK (the extra [ct]) is not installed")
 

@@ -9,7 +9,7 @@ from marked_volumes import assert_same, marked, nifti, placed
 
 from meshdepict.errors import MeshdepictError, MeshdepictWarning
 from meshdepict.io.volumes import WRITABLE_VOLUMES, is_volume_path, read_volume, write_volume
-from meshdepict.volume import Volume
+from meshdepict.shapes.volume import Volume
 
 sitk = pytest.importorskip("SimpleITK", reason="SimpleITK (the extra [ct]) is not installed")
 

@@ -7,12 +7,12 @@ import pytest
 from PIL import Image
 from volume_shapes import SOLID, blobs
 
+from meshdepict.baking.volumes import bake_volume
+from meshdepict.drawing.figure import Figure
+from meshdepict.drawing.picture import read_picture_provenance
+from meshdepict.drawing.volume_picture import draw_volume, save_volume_picture
 from meshdepict.errors import MeshdepictError
-from meshdepict.viewer.drawing.figure import Figure
-from meshdepict.viewer.drawing.picture import read_picture_provenance
-from meshdepict.viewer.drawing.volume_picture import draw_volume, save_volume_picture
 from meshdepict.viewer.windows.clipping_box import ClippingBox
-from meshdepict.volume_baking import bake_volume
 
 pytest.importorskip("pyvista")
 

@@ -8,17 +8,16 @@ from volume_shapes import DIRECTIONS, EDGE, SOLID, WHITE, blobs
 
 import meshdepict as md
 from meshdepict import color
-from meshdepict.errors import MeshdepictError
-from meshdepict.isosurface import isosurface
-from meshdepict.transfer import TransferFunction
-from meshdepict.viewer.drawing import empty_space, volume_rays, volume_scene
-from meshdepict.viewer.drawing.canvas import canvas, place
-from meshdepict.viewer.drawing.empty_space import BLOCK, clearance
-from meshdepict.viewer.drawing.figure import Figure
-from meshdepict.viewer.drawing.framing import frame
-from meshdepict.viewer.drawing.volume_picture import draw_volume
-from meshdepict.viewer.drawing.volume_rays import LEVELS
-from meshdepict.viewer.drawing.volume_scene import (
+from meshdepict.baking.volumes import bake_volume
+from meshdepict.color.transfer import TransferFunction
+from meshdepict.drawing import empty_space, volume_rays, volume_scene
+from meshdepict.drawing.canvas import canvas, place
+from meshdepict.drawing.empty_space import BLOCK, clearance
+from meshdepict.drawing.figure import Figure
+from meshdepict.drawing.framing import frame
+from meshdepict.drawing.volume_picture import draw_volume
+from meshdepict.drawing.volume_rays import LEVELS
+from meshdepict.drawing.volume_scene import (
     add_baked,
     add_rgba,
     levels_of,
@@ -28,8 +27,9 @@ from meshdepict.viewer.drawing.volume_scene import (
     transfer_classes,
     transfer_window,
 )
-from meshdepict.volume import Volume
-from meshdepict.volume_baking import bake_volume
+from meshdepict.errors import MeshdepictError
+from meshdepict.shapes.isosurface import isosurface
+from meshdepict.shapes.volume import Volume
 
 pv = pytest.importorskip("pyvista")
 
@@ -132,7 +132,7 @@ def test_without_a_shader_colours_are_nearly_the_same(monkeypatch):
     with_shader = drawn(baked)
     calls = []
     monkeypatch.setattr(
-        "meshdepict.viewer.drawing.volume_picture.add_rgba",
+        "meshdepict.drawing.volume_picture.add_rgba",
         lambda window, baked: calls.append(1) or add_rgba(window, baked),
     )
     monkeypatch.setattr(volume_scene, "_LIGHT", "no GLSL")

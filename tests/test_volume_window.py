@@ -6,19 +6,19 @@ import numpy as np
 import pytest
 from volume_shapes import SOLID, WHITE, blobs
 
+from meshdepict.baking.volumes import bake_volume
+from meshdepict.color.transfer import PRESETS, TransferFunction
+from meshdepict.drawing import volume_scene
+from meshdepict.drawing.picture import read_picture_provenance
 from meshdepict.errors import MeshdepictError
 from meshdepict.io.volumes import read_volume
-from meshdepict.samples import ct_phantom
-from meshdepict.transfer import PRESETS, TransferFunction
-from meshdepict.viewer.drawing import volume_scene
-from meshdepict.viewer.drawing.picture import read_picture_provenance
+from meshdepict.shapes.samples import ct_phantom
 from meshdepict.viewer.windows import window_events
 from meshdepict.viewer.windows.clipping_box import ClippingBox
 from meshdepict.viewer.windows.keys import action_of, help_text
 from meshdepict.viewer.windows.volume_keys import KEYS
 from meshdepict.viewer.windows.volume_session import VolumeSession
 from meshdepict.viewer.windows.volume_window import VolumeWindow, show_volume
-from meshdepict.volume_baking import bake_volume
 
 pytest.importorskip("pyvista")
 
@@ -46,7 +46,7 @@ def seen(window):
 def test_a_new_light_smooths_nothing(head, monkeypatch):
     session = VolumeSession(head, scales=2)
     session.baked()
-    monkeypatch.setattr("meshdepict.volume_baking.space_of_mask", None)
+    monkeypatch.setattr("meshdepict.baking.volumes.space_of_mask", None)
     before = session.baked()
     session.drag_light((0.2, 0.1))
     assert session.baked().space is before.space

@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 
 from meshdepict import bake
+from meshdepict.baking.recipe import load_recipe
+from meshdepict.drawing import display
 from meshdepict.errors import MeshdepictError
-from meshdepict.mesh import Mesh
-from meshdepict.recipe import load_recipe
 from meshdepict.shading import METHODS
-from meshdepict.viewer import display
+from meshdepict.shapes.mesh import Mesh
 from meshdepict.viewer.session import Session
 from meshdepict.viewer.windows import preview as preview_module
 from meshdepict.viewer.windows import window_events

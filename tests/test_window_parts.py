@@ -5,16 +5,17 @@ import itertools
 import numpy as np
 import pytest
 
-from meshdepict import bake, samples
-from meshdepict.environment import Environment
+from meshdepict import bake
+from meshdepict.baking.recipe import load_recipe
+from meshdepict.drawing.canvas import place
 from meshdepict.errors import MeshdepictError
-from meshdepict.mesh import Mesh
-from meshdepict.recipe import load_recipe
-from meshdepict.scales import scale_space
-from meshdepict.scene import VIEWS, Light, Lights, View, as_light
+from meshdepict.scales.space import scale_space
+from meshdepict.scene.environment import Environment
+from meshdepict.scene.view import VIEWS, Light, Lights, View, as_light
 from meshdepict.shading import METHODS
+from meshdepict.shapes import samples
+from meshdepict.shapes.mesh import Mesh
 from meshdepict.viewer.controls import Control
-from meshdepict.viewer.drawing.canvas import place
 from meshdepict.viewer.light_drag import angles, carried, dragged, lights_of
 from meshdepict.viewer.session import Session
 from meshdepict.viewer.windows import exports

@@ -3,8 +3,8 @@
 import numpy as np
 from conftest import rotation
 
-from meshdepict.transfer import TransferFunction
-from meshdepict.volume import Volume
+from meshdepict.color.transfer import TransferFunction
+from meshdepict.shapes.volume import Volume
 
 DIRECTIONS = {
     "straight": np.eye(3),

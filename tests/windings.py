@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from meshdepict.icosahedron import icosphere
+from meshdepict.surface.icosahedron import icosphere
 from meshdepict.surface.orientation import orient
 
 BALL = icosphere(500)

@@ -9,8 +9,8 @@ from cyclopts import Parameter
 
 from meshdepict import threads
 from meshdepict.commands import parameters
+from meshdepict.commands.console import FAULT
 from meshdepict.commands.parameters import FILES, LOOK
-from meshdepict.console import FAULT
 from meshdepict.errors import MeshdepictError
 
 __all__ = ["bake"]
@@ -74,10 +74,10 @@ def bake(
     colormap2d
         Colours for two lights, the other one 90° clockwise: dusk, earth or swiss.
     """
-    from meshdepict.batch import Batch, check_settings
-    from meshdepict.recipe import load_recipe, merge_recipe
-    from meshdepict.recipe import save_recipe as write_recipe
-    from meshdepict.viewer.drawing.figure import Figure
+    from meshdepict.baking.recipe import load_recipe, merge_recipe
+    from meshdepict.baking.recipe import save_recipe as write_recipe
+    from meshdepict.commands.batch import Batch, check_settings
+    from meshdepict.drawing.figure import Figure
 
     threads.limit(cores)
     if picture is None:

@@ -9,8 +9,8 @@ from cyclopts import Parameter
 
 from meshdepict import threads
 from meshdepict.commands import parameters
+from meshdepict.commands.console import notes, progress_bar
 from meshdepict.commands.parameters import DETAIL, FILES, LOOK
-from meshdepict.console import notes, progress_bar
 from meshdepict.errors import MeshdepictError
 
 __all__ = ["compare"]
@@ -71,11 +71,13 @@ def compare(
     winding
         auto: turn faces that look inwards before shading; keep: believe the file.
     """
-    from meshdepict import comparison, comparison_report, samples
-    from meshdepict.batch import stem
+    from meshdepict.commands.batch import stem
+    from meshdepict.commands.targets import check_target
+    from meshdepict.congruence import comparison
+    from meshdepict.congruence import report as comparison_report
+    from meshdepict.drawing.figure import Figure
     from meshdepict.io import read_mesh
-    from meshdepict.targets import check_target
-    from meshdepict.viewer.drawing.figure import Figure
+    from meshdepict.shapes import samples
 
     threads.limit(cores)
     name = stem(source)

@@ -9,7 +9,7 @@ from cyclopts import Parameter
 
 from meshdepict import threads
 from meshdepict.commands import parameters
-from meshdepict.console import FAULT, about, complain, notes
+from meshdepict.commands.console import FAULT, about, complain, notes
 from meshdepict.errors import MeshdepictError
 
 __all__ = ["info"]
@@ -27,7 +27,7 @@ def info(
     inputs
         Mesh files, or CT.
     """
-    from meshdepict import report
+    from meshdepict.commands import report
 
     threads.limit(cores)
     if not inputs:

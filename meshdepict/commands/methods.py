@@ -23,7 +23,7 @@ def methods(
     names
         Methods to describe.
     """
-    from meshdepict import report
+    from meshdepict.commands import report
 
     del quiet, cores  # accepted everywhere
     described = [report.method(name) for name in names]

@@ -70,10 +70,10 @@ def movie(
     fps
         Frames per second.
     """
-    from meshdepict.console import notes, progress_bar
-    from meshdepict.targets import check_target
-    from meshdepict.viewer.drawing.figure import Figure
-    from meshdepict.viewer.drawing.movie import check_movie, save_movie
+    from meshdepict.commands.console import notes, progress_bar
+    from meshdepict.commands.targets import check_target
+    from meshdepict.drawing.figure import Figure
+    from meshdepict.drawing.movie import check_movie, save_movie
     from meshdepict.viewer.session import Session
 
     start = time.perf_counter()

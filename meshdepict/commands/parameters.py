@@ -205,7 +205,7 @@ def as_numbers(text: str, option: str, count: int) -> tuple[float, ...]:
 
 def method_options(method: str, given: Sequence[str]) -> dict[str, Any]:
     """Return the method's options from ``name=value`` texts, checked."""
-    from meshdepict.baking import find_method
+    from meshdepict.baking.surfaces import find_method
     from meshdepict.options import check
 
     function = find_method(method)
@@ -228,7 +228,7 @@ def session_settings(
     MeshdepictError
         For what recipes may have and sessions don't.
     """
-    from meshdepict.recipe import load_recipe, merge_recipe
+    from meshdepict.baking.recipe import load_recipe, merge_recipe
 
     said = {name: value for name, value in settings.items() if name in given}
     merged = merge_recipe(load_recipe(recipe), said)

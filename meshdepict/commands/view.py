@@ -10,8 +10,8 @@ from cyclopts import Parameter
 
 from meshdepict import threads
 from meshdepict.commands import parameters
+from meshdepict.commands.console import complain, notes, progress_bar
 from meshdepict.commands.parameters import FILES
-from meshdepict.console import complain, notes, progress_bar
 from meshdepict.errors import MeshdepictError
 
 __all__ = ["view"]
@@ -60,7 +60,7 @@ def view(
     frames
         Draw so many frames off screen and end.
     """
-    from meshdepict.batch import stem
+    from meshdepict.commands.batch import stem
 
     threads.limit(cores)
     if not browser:
@@ -80,7 +80,7 @@ def view(
     if input_ is not None and is_volume_path(input_):
         return _show_volume(input_, settings, given, browser=browser, frames=frames, quiet=quiet)
     if not browser and frames is None:
-        from meshdepict.viewer.display import check_display
+        from meshdepict.drawing.display import check_display
 
         check_display()
     if not browser:
@@ -91,7 +91,7 @@ def view(
     with notes(input_, quiet=quiet):
         session = _session(input_, settings, name, quiet=quiet)
     if browser:
-        from meshdepict.viewer.browser import serve
+        from meshdepict.viewer.browser.server import serve
 
         serve(session, port=port, open_browser=not no_open, title=name)
         return 0
@@ -114,7 +114,7 @@ def _show_volume(
     quiet: bool,
 ) -> int:
     """Open the window for volumes."""
-    from meshdepict.viewer.display import check_display
+    from meshdepict.drawing.display import check_display
     from meshdepict.viewer.windows.volume_window import show_volume
 
     if browser:
@@ -133,8 +133,8 @@ def _show_volume(
 
 def _session(source: Path | None, settings: dict[str, Any], name: str, *, quiet: bool) -> Any:
     """Read and bake, with a progress bar."""
-    from meshdepict import samples
     from meshdepict.io import read_mesh
+    from meshdepict.shapes import samples
     from meshdepict.viewer.session import Session
 
     shape = samples.golf_ball() if source is None else read_mesh(source)

@@ -10,15 +10,15 @@ from cyclopts import Parameter
 
 from meshdepict import threads
 from meshdepict.commands import parameters
+from meshdepict.commands.console import notes, progress_bar
 from meshdepict.commands.parameters import FILES, LOOK
-from meshdepict.console import notes, progress_bar
 from meshdepict.errors import MeshdepictError
 
 __all__ = ["volume"]
 
 if TYPE_CHECKING:
-    from meshdepict.viewer.drawing.figure import Figure
-    from meshdepict.volume import Volume
+    from meshdepict.drawing.figure import Figure
+    from meshdepict.shapes.volume import Volume
 
 
 def volume(
@@ -90,7 +90,7 @@ def volume(
     force
         Replace existing files that meshdepict didn't write.
     """
-    from meshdepict.viewer.drawing.figure import Figure
+    from meshdepict.drawing.figure import Figure
 
     threads.limit(cores)
     start = time.perf_counter()
@@ -137,9 +137,9 @@ def _shade_surface(
     figure: Figure,
 ) -> str:
     """Bake the isosurface, write what is asked for and say what it was."""
-    from meshdepict.baking import bake
-    from meshdepict.isosurface import isosurface
-    from meshdepict.viewer.drawing.picture import save_picture
+    from meshdepict.baking.surfaces import bake
+    from meshdepict.drawing.picture import save_picture
+    from meshdepict.shapes.isosurface import isosurface
 
     done = bake(isosurface(grid, value), progress=progress, **asked)
     if output is not None:
@@ -160,10 +160,10 @@ def _shade_voxels(
     figure: Figure,
 ) -> str:
     """Bake the voxels, write what is asked for and say how many they were."""
-    from meshdepict.viewer.drawing.picture import write_picture
-    from meshdepict.viewer.drawing.slices import draw_slice
-    from meshdepict.viewer.drawing.volume_picture import save_volume_picture
-    from meshdepict.volume_baking import bake_volume
+    from meshdepict.baking.volumes import bake_volume
+    from meshdepict.drawing.picture import write_picture
+    from meshdepict.drawing.slices import draw_slice
+    from meshdepict.drawing.volume_picture import save_volume_picture
 
     baked = bake_volume(grid, progress=progress, **asked)
     if output is not None:
@@ -181,10 +181,10 @@ def _check_targets(
     output: Path | None, pictures: tuple[Path | None, ...], *, mesh: bool, force: bool
 ) -> None:
     """Refuse what can't be written, before anything is read."""
+    from meshdepict.commands.targets import check_target
+    from meshdepict.drawing.picture import check_picture
     from meshdepict.io.source import WRITABLE, suffix_of
     from meshdepict.io.volumes import WRITABLE_VOLUMES
-    from meshdepict.targets import check_target
-    from meshdepict.viewer.drawing.picture import check_picture
 
     if output is not None:
         wanted = tuple(WRITABLE if mesh else WRITABLE_VOLUMES)
@@ -204,7 +204,7 @@ def _read(
     spacing: str | None,
 ) -> Volume:
     from meshdepict.io.volumes import read_volume
-    from meshdepict.samples import ct_phantom
+    from meshdepict.shapes.phantom import ct_phantom
 
     if source is None:
         return ct_phantom((128, 128, 128))

@@ -13,8 +13,8 @@ from meshdepict.curvature.principal import ESTIMATORS, PrincipalCurvatures, prin
 from meshdepict.curvature.view import ViewCurvature
 
 if TYPE_CHECKING:
-    from meshdepict.scales import ScaleSpace
-    from meshdepict.scene import View
+    from meshdepict.scales.space import ScaleSpace
+    from meshdepict.scene.view import View
 
 __all__ = [
     "ESTIMATORS",

@@ -12,7 +12,7 @@ from meshdepict.curvature.welded import Welded
 from meshdepict.threads import each, spans, thread_count
 
 if TYPE_CHECKING:
-    from meshdepict.mesh import Mesh
+    from meshdepict.shapes.mesh import Mesh
 
 __all__ = ["neighbour_cosines"]
 

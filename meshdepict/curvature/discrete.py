@@ -15,7 +15,7 @@ from meshdepict.curvature.frames import tangents
 from meshdepict.curvature.welded import Welded
 
 if TYPE_CHECKING:
-    from meshdepict.mesh import Mesh
+    from meshdepict.shapes.mesh import Mesh
 
 __all__ = ["angle_defects", "discrete_curvatures", "mean_curvature_normals"]
 

@@ -11,7 +11,7 @@ from meshdepict.errors import MeshdepictError
 from meshdepict.options import nearest
 
 if TYPE_CHECKING:
-    from meshdepict.mesh import Mesh
+    from meshdepict.shapes.mesh import Mesh
 
 __all__ = ["ESTIMATORS", "PrincipalCurvatures", "principal_curvatures"]
 

@@ -25,7 +25,7 @@ from meshdepict.curvature.welded import Welded
 from meshdepict.threads import each, spans, thread_count
 
 if TYPE_CHECKING:
-    from meshdepict.mesh import Mesh
+    from meshdepict.shapes.mesh import Mesh
 
 __all__ = ["quadric_curvatures"]
 
@@ -54,7 +54,7 @@ def quadric_curvatures(
     radius : float or str, optional
         In world units, or "0.2%" of the diagonal; five median edges unless given.
     """
-    from meshdepict.ladder import resolve_width
+    from meshdepict.scales.ladder import resolve_width
 
     surface = Welded(mesh)
     unit = mesh.diagonal or 1.0

@@ -23,7 +23,7 @@ from meshdepict.errors import MeshdepictError
 from meshdepict.threads import each, spans
 
 if TYPE_CHECKING:
-    from meshdepict.scene import View
+    from meshdepict.scene.view import View
 
 __all__ = ["ViewCurvature", "conductance", "eye_frames", "view_hessian", "view_tensor"]
 

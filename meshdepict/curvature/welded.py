@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 if TYPE_CHECKING:
-    from meshdepict.mesh import Mesh
+    from meshdepict.shapes.mesh import Mesh
 
 __all__ = ["Welded"]
 

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from meshdepict.errors import MeshdepictError, MeshdepictWarning
 
 if TYPE_CHECKING:
-    from meshdepict.scene import View
+    from meshdepict.scene.view import View
 
 __all__ = ["SurfaceImages", "depth_unit", "fitted_depth_scale", "read_image", "surface_images"]
 

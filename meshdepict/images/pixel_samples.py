@@ -11,11 +11,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from meshdepict.errors import MeshdepictError
-from meshdepict.images.pixels import depth_ratio, depth_steps, pixel_sizes, positions
+from meshdepict.shapes.pixels import depth_ratio, depth_steps, pixel_sizes, positions
 from meshdepict.surface.mesh_input import frozen
 
 if TYPE_CHECKING:
-    from meshdepict.scene import View
+    from meshdepict.scene.view import View
 
 __all__ = ["PixelSamples", "check_size", "finite"]
 

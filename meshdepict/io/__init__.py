@@ -15,15 +15,15 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from meshdepict.errors import MeshdepictError
-from meshdepict.io.atomic import atomic_write
-from meshdepict.io.document import MARK, Saving
+from meshdepict.files.atomic import atomic_write
 from meshdepict.io.source import FORMATS, WRITABLE, format_of, opened, suffix_of
+from meshdepict.shapes.document import MARK, Saving
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from meshdepict.mesh import Mesh
-    from meshdepict.volume import Volume
+    from meshdepict.shapes.mesh import Mesh
+    from meshdepict.shapes.volume import Volume
 
 __all__ = ["atomic_write", "read", "read_mesh", "read_provenance", "write_mesh"]
 
@@ -64,7 +64,7 @@ def read_mesh(path: str | os.PathLike[str], *, winding: str = "auto") -> Mesh:
         For a file that is missing, forbidden, empty, cut off, damaged or of an unknown format, and
         for a mesh that `Mesh` refuses: one sentence that begins with the file's name.
     """
-    from meshdepict.mesh import Mesh
+    from meshdepict.shapes.mesh import Mesh
 
     with opened(path) as file:
         data = file.read()

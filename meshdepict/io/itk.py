@@ -22,10 +22,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshdepict.errors import MeshdepictError, MeshdepictWarning
-from meshdepict.io.atomic import atomic_write
+from meshdepict.files.atomic import atomic_write
 
 if TYPE_CHECKING:
-    from meshdepict.volume import Volume
+    from meshdepict.shapes.volume import Volume
 
 __all__ = ["array_of", "place_of", "read_itk", "reason", "simpleitk", "write_itk"]
 

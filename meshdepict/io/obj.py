@@ -12,13 +12,21 @@ from numpy.typing import NDArray
 
 from meshdepict.errors import MeshdepictError
 from meshdepict.io import text
-from meshdepict.io.document import COLOR, MARK, Contents, Document, Saving, as_bytes, only_colors
 from meshdepict.io.obj_faces import parse_faces
 from meshdepict.io.obj_lines import Lines, joined, line_end, table
+from meshdepict.shapes.document import (
+    COLOR,
+    MARK,
+    Contents,
+    Document,
+    Saving,
+    as_bytes,
+    only_colors,
+)
 from meshdepict.surface.polygons import Polygons, as_polygons
 
 if TYPE_CHECKING:
-    from meshdepict.mesh import Mesh
+    from meshdepict.shapes.mesh import Mesh
 
 __all__ = ["ObjDocument", "decode", "encode", "provenance"]
 

@@ -12,7 +12,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshdepict.errors import MeshdepictWarning
-from meshdepict.io.document import COLOR, Contents, Document, Saving, new_names, recolored
 from meshdepict.io.ply_binary import encode_binary
 from meshdepict.io.ply_document import (
     POSITION,
@@ -35,10 +34,11 @@ from meshdepict.io.ply_header import (
 from meshdepict.io.ply_properties import as_properties, exact_float
 from meshdepict.io.ply_rows import Column, Ragged
 from meshdepict.io.ply_text import rewrite_text
+from meshdepict.shapes.document import COLOR, Contents, Document, Saving, new_names, recolored
 from meshdepict.surface.polygons import Polygons, as_polygons
 
 if TYPE_CHECKING:
-    from meshdepict.mesh import Mesh
+    from meshdepict.shapes.mesh import Mesh
 
 __all__ = ["decode", "encode", "provenance"]
 

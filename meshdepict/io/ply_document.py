@@ -10,11 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshdepict.errors import MeshdepictError
-from meshdepict.io.document import Document
 from meshdepict.io.ply_binary import decode_binary
 from meshdepict.io.ply_header import Element, Header
 from meshdepict.io.ply_rows import Column, Ragged, as_ragged
 from meshdepict.io.ply_text import decode_text
+from meshdepict.shapes.document import Document
 from meshdepict.surface.polygons import Polygons, as_polygons, strip_triangles
 
 __all__ = [

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from meshdepict.errors import MeshdepictError
 from meshdepict.io import text
-from meshdepict.io.document import Contents, Document
+from meshdepict.shapes.document import Contents, Document
 from meshdepict.surface.welding import same_position
 
 __all__ = ["decode", "provenance"]

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from meshdepict.errors import MeshdepictError, MeshdepictWarning
 
 if TYPE_CHECKING:
-    from meshdepict.volume import Volume
+    from meshdepict.shapes.volume import Volume
 
 __all__ = ["WRITABLE_VOLUMES", "is_volume_path", "read_volume", "write_volume"]
 
@@ -83,7 +83,7 @@ def read_volume(
         `Volume` refuses, options that don't go with the format, and where SimpleITK is needed but
         not installed: one sentence that begins with the path.
     """
-    from meshdepict.volume import Volume
+    from meshdepict.shapes.volume import Volume
 
     path = Path(path)
     try:

@@ -10,11 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshdepict.errors import MeshdepictError
-from meshdepict.io.atomic import atomic_write
+from meshdepict.files.atomic import atomic_write
 from meshdepict.io.vtp import _vtk_errors
 
 if TYPE_CHECKING:
-    from meshdepict.volume import Volume
+    from meshdepict.shapes.volume import Volume
 
 __all__ = ["image_contents", "image_of", "read_vti", "write_vti"]
 

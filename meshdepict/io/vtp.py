@@ -14,12 +14,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshdepict.errors import MeshdepictError, MeshdepictWarning
-from meshdepict.io.document import COLOR, Contents, Document, Saving, recolored
 from meshdepict.io.ply_properties import exact_float
+from meshdepict.shapes.document import COLOR, Contents, Document, Saving, recolored
 from meshdepict.surface.polygons import Polygons, as_polygons
 
 if TYPE_CHECKING:
-    from meshdepict.mesh import Mesh
+    from meshdepict.shapes.mesh import Mesh
 
 __all__ = ["VtpDocument", "decode", "encode", "provenance"]
 
@@ -114,7 +114,7 @@ def _vtk_errors() -> Iterator[list[str]]:
 
 def _geometry(poly: Any) -> tuple[NDArray[Any], Polygons, NDArray[np.int64]]:
     """Return the points in double precision, the polygons, and the cell of each."""
-    from meshdepict.exchange import polydata_geometry
+    from meshdepict.shapes.exchange import polydata_geometry
 
     vertices, polygons, cell = polydata_geometry(poly)
     return vertices.astype(np.float64), polygons, cell

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshdepict.options import Range
-from meshdepict.scales import ScaleSpace
+from meshdepict.scales.space import ScaleSpace
 from meshdepict.shading.method import Exposure, exposed, method
 
 __all__ = ["accessibility", "accessible_radii"]

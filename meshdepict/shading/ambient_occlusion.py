@@ -7,10 +7,10 @@ from typing import Annotated, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from meshdepict.occlusion import MOST_RAYS
 from meshdepict.options import Range
-from meshdepict.scales import ScaleSpace
+from meshdepict.scales.space import ScaleSpace
 from meshdepict.shading.method import Exposure, exposed, method
+from meshdepict.transport.occlusion import MOST_RAYS
 
 __all__ = ["Rays", "ambient_occlusion"]
 

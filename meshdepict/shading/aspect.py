@@ -7,8 +7,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from meshdepict.scales import ScaleSpace
-from meshdepict.scene import View, as_light, as_view
+from meshdepict.scales.space import ScaleSpace
+from meshdepict.scene.light import as_light
+from meshdepict.scene.view import View, as_view
 from meshdepict.shading.method import Exposure, exposed, method
 
 __all__ = ["aspect"]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from meshdepict.scales import ScaleSpace
+from meshdepict.scales.space import ScaleSpace
 
 __all__ = ["NEAR", "detail_share", "remoteness"]
 

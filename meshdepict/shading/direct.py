@@ -9,7 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshdepict.errors import MeshdepictError
-from meshdepict.material import (
+from meshdepict.scales.space import ScaleSpace
+from meshdepict.scene.light import Light
+from meshdepict.scene.material import (
     AshikhminShirley,
     CookTorrance,
     HalfLambert,
@@ -22,8 +24,6 @@ from meshdepict.material import (
     soft_steps,
     specular_term,
 )
-from meshdepict.scales import ScaleSpace
-from meshdepict.scene import Light
 from meshdepict.shading.features import Frames, Scaling
 from meshdepict.shading.warp_equations import jacobian, unwarp, warp_scale
 

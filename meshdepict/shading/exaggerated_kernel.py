@@ -8,7 +8,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from meshdepict.scales import ScaleSpace
+from meshdepict.scales.space import ScaleSpace
 from meshdepict.threads import each, spans, thread_count
 
 __all__ = ["combine_bands"]

@@ -8,10 +8,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from meshdepict.errors import MeshdepictError
-from meshdepict.material import MATERIALS, Material
 from meshdepict.options import Choice, Range
-from meshdepict.scales import ScaleSpace
-from meshdepict.scene import View, as_view, named_directions
+from meshdepict.scales.space import ScaleSpace
+from meshdepict.scene.material import MATERIALS, Material
+from meshdepict.scene.view import View, as_view, named_directions
 
 __all__ = [
     "Bins",

@@ -9,7 +9,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from meshdepict.errors import MeshdepictError
-from meshdepict.material import (
+from meshdepict.options import Choice, Range
+from meshdepict.scales.space import ScaleSpace
+from meshdepict.scene.light import as_lights
+from meshdepict.scene.material import (
     AshikhminShirley,
     CookTorrance,
     Lambert,
@@ -20,9 +23,7 @@ from meshdepict.material import (
     diffuse_term,
     specular_term,
 )
-from meshdepict.options import Choice, Range
-from meshdepict.scales import ScaleSpace
-from meshdepict.scene import View, as_lights
+from meshdepict.scene.view import View
 from meshdepict.shading.features import LightCount, Parameter, eyes, sight
 from meshdepict.shading.method import Exposure, exposed, method, require_smoothing
 from meshdepict.shading.transmission import refracted, rough_transmission
@@ -162,7 +163,7 @@ def light_alignment(
     space : ScaleSpace
         With at least one scale.
     light : light, several, or an Environment
-        As in `meshdepict.scene.as_lights`.
+        As in `meshdepict.scene.view.as_lights`.
     view : View or str
         Where the eye is; it matters to highlights and transmitted light. Points that face away
         from it are shaded for the eye mirrored in their tangent plane.

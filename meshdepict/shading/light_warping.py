@@ -8,10 +8,13 @@ from typing import Annotated, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from meshdepict.environment import Environment
-from meshdepict.equirectangular import to_picture
 from meshdepict.errors import MeshdepictError
-from meshdepict.material import (
+from meshdepict.options import Choice, Range
+from meshdepict.scales.space import ScaleSpace
+from meshdepict.scene.environment import Environment
+from meshdepict.scene.equirectangular import to_picture
+from meshdepict.scene.light import Light, as_lights
+from meshdepict.scene.material import (
     HalfLambert,
     LitSphere,
     Material,
@@ -21,9 +24,7 @@ from meshdepict.material import (
     ambient_term,
     as_material,
 )
-from meshdepict.options import Choice, Range
-from meshdepict.scales import ScaleSpace
-from meshdepict.scene import Light, View, as_lights
+from meshdepict.scene.view import View
 from meshdepict.shading.direct import direct, kernel_parameters, quantised
 from meshdepict.shading.features import (
     Bins,
@@ -94,10 +95,10 @@ def light_warping(
     space : ScaleSpace
         With at least one scale, unless ``scale=0``.
     light : light, several, or an Environment
-        As in `meshdepict.scene.as_lights`.
+        As in `meshdepict.scene.view.as_lights`.
     view : View or str
     material : str or Material
-        As in `meshdepict.material`; lit spheres and half-Lambert have no light to be warped.
+        As in `meshdepict.scene.material`; lit spheres and half-Lambert have no light to be warped.
     curvature : {"object", "view"}
     scale : int
     gain : float, optional

@@ -2,7 +2,7 @@
 
 Per point the lights are rotated into its frame and unwarped, the material's terms are evaluated,
 scaled and summed: a few short loops over the lights, which stay in the fastest cache.
-`meshdepict.material` and the equations beside this file are the same formulas for arrays.
+`meshdepict.scene.material` and the equations beside this file are the same formulas for arrays.
 """
 
 from __future__ import annotations

@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshdepict.options import Choice
-from meshdepict.scales import ScaleSpace
-from meshdepict.scene import View
+from meshdepict.scales.space import ScaleSpace
+from meshdepict.scene.view import View
 from meshdepict.shading.features import sight
 from meshdepict.shading.method import Exposure, exposed, method
 from meshdepict.shading.painted import SPHERES, painted, sphere_picture

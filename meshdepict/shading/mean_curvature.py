@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshdepict.options import Range
-from meshdepict.scales import ScaleSpace
-from meshdepict.scene import View
+from meshdepict.scales.space import ScaleSpace
+from meshdepict.scene.view import View
 from meshdepict.shading.features import (
     DEFAULT_GAIN,
     CurvatureKind,

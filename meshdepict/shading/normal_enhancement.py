@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from meshdepict.options import Range
-from meshdepict.scales import ScaleSpace
-from meshdepict.scene import as_light
+from meshdepict.scales.space import ScaleSpace
+from meshdepict.scene.light import as_light
 from meshdepict.shading.method import Exposure, exposed, method, require_smoothing
 
 __all__ = ["enhanced_normals", "normal_enhancement"]

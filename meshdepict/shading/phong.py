@@ -7,10 +7,11 @@ from typing import Annotated, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from meshdepict.material import Phong
 from meshdepict.options import Range
-from meshdepict.scales import ScaleSpace
-from meshdepict.scene import View, as_lights
+from meshdepict.scales.space import ScaleSpace
+from meshdepict.scene.light import as_lights
+from meshdepict.scene.material import Phong
+from meshdepict.scene.view import View
 from meshdepict.shading.direct import direct
 from meshdepict.shading.features import eyes, sight
 from meshdepict.shading.method import Exposure, exposed, method
@@ -40,7 +41,7 @@ def phong(
     ----------
     space : ScaleSpace
     light : light, or several
-        As in `meshdepict.scene.as_lights`.
+        As in `meshdepict.scene.view.as_lights`.
     view : View or str
         Where the eye is.
     ambient, diffuse, specular, shininess : float

@@ -15,7 +15,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import ArrayLike, NDArray
 
-from meshdepict.scales import ScaleSpace
+from meshdepict.scales.space import ScaleSpace
 from meshdepict.threads import each, spans, thread_count
 
 __all__ = ["combine_bent_bands", "principal_light"]

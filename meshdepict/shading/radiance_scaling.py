@@ -7,7 +7,10 @@ from typing import Annotated, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from meshdepict.material import (
+from meshdepict.options import Choice, Range
+from meshdepict.scales.space import ScaleSpace
+from meshdepict.scene.light import as_lights
+from meshdepict.scene.material import (
     LitSphere,
     Mirror,
     Refractive,
@@ -15,9 +18,7 @@ from meshdepict.material import (
     ambient_term,
     as_material,
 )
-from meshdepict.options import Choice, Range
-from meshdepict.scales import ScaleSpace
-from meshdepict.scene import View, as_lights
+from meshdepict.scene.view import View
 from meshdepict.shading.direct import direct, quantised
 from meshdepict.shading.features import (
     Bins,
@@ -140,7 +141,7 @@ def radiance_scaling(
     view : View or str
         Where the eye is.
     material : str or Material
-        As in `meshdepict.material`: each has its own reflectance mapping δ (METHODS §5).
+        As in `meshdepict.scene.material`: each has its own reflectance mapping δ (METHODS §5).
     curvature : {"object", "view"}
         See `meshdepict.shading.features.features`.
     scale : int

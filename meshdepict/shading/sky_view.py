@@ -7,12 +7,12 @@ from typing import Annotated, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from meshdepict.occlusion import sky_openness
 from meshdepict.options import Range
-from meshdepict.scales import ScaleSpace
-from meshdepict.scene import as_light
+from meshdepict.scales.space import ScaleSpace
+from meshdepict.scene.light import as_light
 from meshdepict.shading.ambient_occlusion import Rays
 from meshdepict.shading.method import Exposure, exposed, method
+from meshdepict.transport.occlusion import sky_openness
 
 __all__ = ["sky_view"]
 

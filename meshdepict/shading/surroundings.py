@@ -7,9 +7,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from meshdepict.environment import LUMINANCE, Environment
 from meshdepict.errors import MeshdepictError
-from meshdepict.material import (
+from meshdepict.scales.space import ScaleSpace
+from meshdepict.scene.environment import LUMINANCE, Environment
+from meshdepict.scene.material import (
     LitSphere,
     Material,
     Mirror,
@@ -18,8 +19,7 @@ from meshdepict.material import (
     refracted,
     towards_visible,
 )
-from meshdepict.scales import ScaleSpace
-from meshdepict.scene import View
+from meshdepict.scene.view import View
 from meshdepict.shading.features import Frames, eyes
 from meshdepict.shading.painted import painted, sphere_picture
 from meshdepict.shading.warp_equations import warp, warp_scale
@@ -76,7 +76,7 @@ def seen(
 
 def sphere_colors(space: ScaleSpace, view: View, material: LitSphere, convexity: Single) -> Single:
     """Return linear colours (n, 3) of one lit sphere, or of two mixed by convexity."""
-    from meshdepict.color import srgb_to_linear
+    from meshdepict.color.encoding import srgb_to_linear
 
     normals = space.normals[0] @ view.frame.T.astype(np.float32)
     colors = painted(sphere_picture(material.convex), normals)

@@ -7,10 +7,10 @@ from typing import Annotated, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from meshdepict.material import Lambert, soft_steps
 from meshdepict.options import Range
-from meshdepict.scales import ScaleSpace
-from meshdepict.scene import as_lights
+from meshdepict.scales.space import ScaleSpace
+from meshdepict.scene.light import as_lights
+from meshdepict.scene.material import Lambert, soft_steps
 from meshdepict.shading.direct import direct
 from meshdepict.shading.method import Exposure, exposed, method
 
@@ -35,7 +35,7 @@ def toon(
     ----------
     space : ScaleSpace
     light : light, or several
-        As in `meshdepict.scene.as_lights`.
+        As in `meshdepict.scene.view.as_lights`.
     bins : int
     sharpness : float
     exposure : float

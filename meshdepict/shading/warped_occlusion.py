@@ -7,7 +7,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from meshdepict.scales import ScaleSpace
+from meshdepict.scales.space import ScaleSpace
 from meshdepict.shading.features import Frames
 from meshdepict.shading.warp_equations import warp, warp_scale
 from meshdepict.threads import each, spans

@@ -12,7 +12,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from meshdepict.errors import MeshdepictError
-from meshdepict.scene import Light, Lights, View
+from meshdepict.scene.light import Light, Lights
+from meshdepict.scene.view import View
 
 __all__ = ["angles", "carried", "dragged", "lights_of"]
 

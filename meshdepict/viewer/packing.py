@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 if TYPE_CHECKING:
-    from meshdepict.mesh import Mesh
-    from meshdepict.scene import View
+    from meshdepict.scene.view import View
+    from meshdepict.shapes.mesh import Mesh
 
 __all__ = ["pack_mesh", "sight"]
 

@@ -14,11 +14,11 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from meshdepict.io.atomic import atomic_write
+from meshdepict.files.atomic import atomic_write
 from meshdepict.viewer.packing import pack_mesh, sight
 
 if TYPE_CHECKING:
-    from meshdepict.baked import Baked
+    from meshdepict.baking.baked import Baked
 
 __all__ = ["WEB", "save_page"]
 

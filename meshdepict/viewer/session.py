@@ -13,16 +13,17 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from meshdepict import color
-from meshdepict.baked import Baked
-from meshdepict.baking import as_mesh, bake, find_method
+from meshdepict.baking.baked import Baked
+from meshdepict.baking.surfaces import as_mesh, bake, find_method
 from meshdepict.errors import MeshdepictError
 from meshdepict.options import check, options_of
-from meshdepict.scales import ScaleSpace, scale_space
-from meshdepict.scene import View, as_lighting, as_view
+from meshdepict.scales.space import ScaleSpace, scale_space
+from meshdepict.scene.light import as_lighting
+from meshdepict.scene.view import View, as_view
 from meshdepict.viewer.light_drag import carried, dragged
 
 if TYPE_CHECKING:
-    from meshdepict.shading import Declaration
+    from meshdepict.shading.method import Declaration
 
 __all__ = ["Session"]
 
@@ -188,7 +189,7 @@ class Session:
     @property
     def declared(self) -> Declaration:
         """What the method declares."""
-        from meshdepict.shading import declaration
+        from meshdepict.shading.method import declaration
 
         return declaration(find_method(self.method))
 

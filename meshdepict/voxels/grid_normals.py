@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from meshdepict.voxels.grid_samples import Samples, Triple
 
 if TYPE_CHECKING:
-    from meshdepict.volume import Volume
+    from meshdepict.shapes.volume import Volume
 
 __all__ = ["Scattered", "completed", "gradients_to_world", "in_voxels", "least_gradient"]
 

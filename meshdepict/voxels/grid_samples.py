@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from meshdepict.errors import MeshdepictError
 
 if TYPE_CHECKING:
-    from meshdepict.transfer import TransferFunction
-    from meshdepict.volume import Volume
+    from meshdepict.color.transfer_function import TransferFunction
+    from meshdepict.shapes.volume import Volume
 
 __all__ = ["Samples", "Triple", "grown", "shaded_voxels"]
 

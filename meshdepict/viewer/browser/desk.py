@@ -13,17 +13,18 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from meshdepict.baking import find_method
+from meshdepict.baking.recipe import save_recipe
+from meshdepict.baking.surfaces import find_method
 from meshdepict.errors import MeshdepictError
 from meshdepict.options import as_text
-from meshdepict.recipe import save_recipe
-from meshdepict.scene import Light, View
+from meshdepict.scene.light import Light
+from meshdepict.scene.view import View
 from meshdepict.viewer.controls import Control, controls
 from meshdepict.viewer.packing import sight
 from meshdepict.viewer.page import save_page
 
 if TYPE_CHECKING:
-    from meshdepict.baked import Baked
+    from meshdepict.baking.baked import Baked
     from meshdepict.viewer.session import Session
 
 __all__ = ["KINDS", "Desk"]

@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from meshdepict.material import Phong
-from meshdepict.scales import ScaleSpace
-from meshdepict.scene import View
+from meshdepict.scales.space import ScaleSpace
+from meshdepict.scene.material import Phong
+from meshdepict.scene.view import View
 from meshdepict.shading import light_warping, phong, radiance_scaling
 from meshdepict.shading.features import DEFAULT_GAIN, features
 from meshdepict.shading.radiance_scaling import LEAST_INVARIANT

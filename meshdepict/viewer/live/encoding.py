@@ -1,4 +1,4 @@
-"""From a shading's values to the colours on the screen, as `meshdepict.color.encode` has them."""
+"""From a shading's values to the colours on the screen, as `color.encode` has them."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from meshdepict.color import colormap as color_table
+from meshdepict.color.encoding import colormap as color_table
 
 if TYPE_CHECKING:
     from meshdepict.viewer.live.live_method import Uniforms

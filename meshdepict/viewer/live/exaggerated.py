@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from meshdepict.scales import ScaleSpace
-from meshdepict.scene import View
+from meshdepict.scales.space import ScaleSpace
+from meshdepict.scene.view import View
 from meshdepict.shading import exaggerated
 from meshdepict.shading.attention import NEAR
 from meshdepict.shading.exaggerated import SINGULAR_LIGHT, band_weights

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from meshdepict.shading import half_lambert, lambert
+from meshdepict.shading import lambert
+from meshdepict.shading.lambert import half_lambert
 from meshdepict.viewer.live.live_method import LiveMethod
 
 __all__ = ["HALF_LAMBERT", "LAMBERT"]

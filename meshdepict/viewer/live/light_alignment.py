@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 
-from meshdepict.scales import ScaleSpace
-from meshdepict.scene import View
+from meshdepict.scales.space import ScaleSpace
+from meshdepict.scene.view import View
 from meshdepict.shading import light_alignment
 from meshdepict.shading.light_alignment import _per_scale
 from meshdepict.shading.method import require_smoothing

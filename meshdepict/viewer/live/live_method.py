@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from meshdepict.scales import ScaleSpace
-from meshdepict.scene import View
+from meshdepict.scales.space import ScaleSpace
+from meshdepict.scene.view import View
 from meshdepict.viewer.live.octahedral import pack_normals
 
 __all__ = ["Attributes", "LiveMethod", "Options", "Uniforms", "original_normals", "packed"]

@@ -7,10 +7,11 @@ from typing import Any
 
 import numpy as np
 
-from meshdepict.color import encode
+from meshdepict.color.encoding import encode
+from meshdepict.drawing.shader import SURROUNDINGS, assemble, set_uniforms
 from meshdepict.errors import MeshdepictError
-from meshdepict.scales import ScaleSpace
-from meshdepict.scene import View
+from meshdepict.scales.space import ScaleSpace
+from meshdepict.scene.view import View
 from meshdepict.viewer.live import encoding, octahedral
 from meshdepict.viewer.live.locality import along_curve
 from meshdepict.viewer.live.look import (
@@ -22,7 +23,6 @@ from meshdepict.viewer.live.look import (
     look_uniforms,
     switches,
 )
-from meshdepict.viewer.live.shader import SURROUNDINGS, assemble, set_uniforms
 
 __all__ = ["LiveShading", "live_methods"]
 

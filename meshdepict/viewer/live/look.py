@@ -7,17 +7,18 @@ from typing import Any
 
 import numpy as np
 
+from meshdepict.drawing.shader import MOST_LIGHTS, caught_errors
 from meshdepict.errors import MeshdepictError
 from meshdepict.options import check, nearest, options_of
-from meshdepict.scales import ScaleSpace
-from meshdepict.scene import Light, View, as_light, as_lights, as_view
-from meshdepict.shading import declaration
+from meshdepict.scales.space import ScaleSpace
+from meshdepict.scene.light import Light, as_light, as_lights
+from meshdepict.scene.view import View, as_view
+from meshdepict.shading.method import declaration
 from meshdepict.viewer.live.direct import LIGHT_WARPING, PHONG, RADIANCE_SCALING
 from meshdepict.viewer.live.exaggerated import EXAGGERATED
 from meshdepict.viewer.live.lambert import HALF_LAMBERT, LAMBERT
 from meshdepict.viewer.live.light_alignment import LIGHT_ALIGNMENT
 from meshdepict.viewer.live.live_method import LiveMethod
-from meshdepict.viewer.live.shader import MOST_LIGHTS, caught_errors
 
 __all__ = [
     "LiveLook", "changed_options", "live_lights", "live_method", "live_methods", "look_uniforms",

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from meshdepict.errors import MeshdepictError
-from meshdepict.material import Lambert, Phong, adjusted, ambient_term, as_material
+from meshdepict.scene.material import Lambert, Phong, adjusted, ambient_term, as_material
 from meshdepict.viewer.live.live_method import Options, Uniforms
 
 __all__ = ["GLSL", "live_material", "material_defines", "material_uniforms"]

@@ -15,17 +15,18 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from meshdepict.color import quantise
-from meshdepict.errors import MeshdepictError
-from meshdepict.grid_scales import GridSpace
-from meshdepict.scene import View
-from meshdepict.viewer.drawing.volume_rays import march, volume_actor
-from meshdepict.viewer.drawing.volume_scene import (
+from meshdepict.color.encoding import quantise
+from meshdepict.drawing.shader import SURROUNDINGS, set_uniforms
+from meshdepict.drawing.volume_rays import march, volume_actor
+from meshdepict.drawing.volume_scene import (
     levels_of,
     sample_box,
     transfer_classes,
     transfer_window,
 )
+from meshdepict.errors import MeshdepictError
+from meshdepict.scales.grid_scales import GridSpace
+from meshdepict.scene.view import View
 from meshdepict.viewer.live import encoding, octahedral
 from meshdepict.viewer.live.look import (
     LiveLook,
@@ -35,7 +36,6 @@ from meshdepict.viewer.live.look import (
     look_uniforms,
     switches,
 )
-from meshdepict.viewer.live.shader import SURROUNDINGS, set_uniforms
 
 __all__ = ["LiveVolume"]
 

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from meshdepict.scene import VIEWS
+from meshdepict.scene.view import VIEWS
 from meshdepict.viewer.windows import exports
 from meshdepict.viewer.windows.camera import project_in_parallel, project_in_perspective
 from meshdepict.viewer.windows.cycle import colormaps, next_method, other

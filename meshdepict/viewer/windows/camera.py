@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from meshdepict.scene import View
+from meshdepict.scene.view import View
 
 __all__ = ["camera_view", "project_in_parallel", "project_in_perspective", "same_sight"]
 

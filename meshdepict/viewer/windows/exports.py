@@ -8,8 +8,8 @@ from __future__ import annotations
 from itertools import count
 from pathlib import Path
 
-from meshdepict.recipe import save_recipe
-from meshdepict.viewer.drawing.picture import save_picture
+from meshdepict.baking.recipe import save_recipe
+from meshdepict.drawing.picture import save_picture
 from meshdepict.viewer.session import Session
 
 __all__ = ["free_path", "save_look", "save_mesh", "save_snapshot"]

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from meshdepict.scene import View
+from meshdepict.scene.view import View
 from meshdepict.viewer.light_drag import lights_of
 
 __all__ = ["LightGizmo"]

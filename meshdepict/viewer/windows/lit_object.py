@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from meshdepict.baking import bake, own_colors
+from meshdepict.baking.surfaces import bake, own_colors
 from meshdepict.errors import MeshdepictError
 from meshdepict.options import options_of
 from meshdepict.viewer.light_drag import lights_of
@@ -214,8 +214,8 @@ class LitObject:
             return None
         if self._live is not None and not fresh:
             return self._live
-        from meshdepict.baking import find_method
-        from meshdepict.viewer.live import LiveShading
+        from meshdepict.baking.surfaces import find_method
+        from meshdepict.viewer.live.live_shading import LiveShading
 
         session = self._session
         options = {name: o.default for name, o in options_of(find_method(session.method)).items()}

@@ -6,10 +6,10 @@ import time
 from pathlib import Path
 from typing import Any
 
-from meshdepict.scene import View
-from meshdepict.viewer.drawing.canvas import place
-from meshdepict.viewer.drawing.figure import Figure
-from meshdepict.viewer.drawing.framing import frame
+from meshdepict.drawing.canvas import place
+from meshdepict.drawing.figure import Figure
+from meshdepict.drawing.framing import frame
+from meshdepict.scene.view import View
 from meshdepict.viewer.session import Session
 from meshdepict.viewer.windows.camera import camera_view, same_sight
 from meshdepict.viewer.windows.window_events import run_loop

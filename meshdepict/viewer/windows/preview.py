@@ -12,11 +12,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from meshdepict.scales import ScaleSpace
+from meshdepict.scales.space import ScaleSpace
 
 if TYPE_CHECKING:
-    from meshdepict.curvature import PrincipalCurvatures
-    from meshdepict.mesh import Mesh
+    from meshdepict.curvature.principal import PrincipalCurvatures
+    from meshdepict.shapes.mesh import Mesh
 
 __all__ = ["BUDGET", "Pace", "Proxy", "ThinnedSpace"]
 

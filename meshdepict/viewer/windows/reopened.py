@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from meshdepict.environment import Environment
 from meshdepict.errors import MeshdepictError
+from meshdepict.scene.environment import Environment
 from meshdepict.viewer.session import Session
 
 if TYPE_CHECKING:
-    from meshdepict.baked import Baked
+    from meshdepict.baking.baked import Baked
 
 __all__ = ["session_of"]
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from itertools import pairwise
 from typing import Any
 
-from meshdepict.viewer.drawing.scale_bar import scale_bar
+from meshdepict.drawing.scale_bar import scale_bar
 from meshdepict.viewer.windows.labels import label
 
 __all__ = ["Ruler"]

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from functools import cached_property
 from typing import Any
 
-from meshdepict.viewer.display import check_opengl, has_graphics_card
+from meshdepict.drawing.display import check_opengl, has_graphics_card
 from meshdepict.viewer.session import Session
 from meshdepict.viewer.windows.keys import KEYS, help_text
 from meshdepict.viewer.windows.labels import label

@@ -5,14 +5,14 @@ from __future__ import annotations
 import sys
 from typing import TYPE_CHECKING, Any
 
+from meshdepict.drawing.display import check_display
+from meshdepict.drawing.picture import plot
 from meshdepict.errors import MeshdepictError
-from meshdepict.viewer.display import check_display
-from meshdepict.viewer.drawing.picture import plot
 from meshdepict.viewer.windows.reopened import session_of
 from meshdepict.viewer.windows.window import Window
 
 if TYPE_CHECKING:
-    from meshdepict.baked import Baked
+    from meshdepict.baking.baked import Baked
 
 __all__ = ["show"]
 

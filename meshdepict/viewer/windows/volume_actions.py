@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from meshdepict.scene import VIEWS
-from meshdepict.transfer import PRESETS
-from meshdepict.viewer.drawing.figure import Figure
-from meshdepict.viewer.drawing.volume_picture import save_volume_picture
+from meshdepict.color.transfer import PRESETS
+from meshdepict.drawing.figure import Figure
+from meshdepict.drawing.volume_picture import save_volume_picture
+from meshdepict.scene.view import VIEWS
 from meshdepict.viewer.windows.cycle import next_method, other
 from meshdepict.viewer.windows.exports import free_path
 from meshdepict.viewer.windows.key_actions import KeyActions

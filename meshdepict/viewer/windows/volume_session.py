@@ -5,11 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from meshdepict.grid_scales import GridSpace
-from meshdepict.scene import View, as_lighting, as_view
-from meshdepict.transfer import TransferFunction, for_volume
+from meshdepict.baking.volumes import BakedVolume, as_volume, bake_volume
+from meshdepict.color.transfer import for_volume
+from meshdepict.color.transfer_function import TransferFunction
+from meshdepict.scales.grid_scales import GridSpace
+from meshdepict.scene.light import as_lighting
+from meshdepict.scene.view import View, as_view
 from meshdepict.viewer.session import Session
-from meshdepict.volume_baking import BakedVolume, as_volume, bake_volume
 
 __all__ = ["VolumeSession"]
 

@@ -11,9 +11,9 @@ import time
 from pathlib import Path
 from typing import Any
 
+from meshdepict.drawing.canvas import only_errors
+from meshdepict.drawing.display import check_display, check_opengl, has_graphics_card
 from meshdepict.errors import MeshdepictError
-from meshdepict.viewer.display import check_display, check_opengl, has_graphics_card
-from meshdepict.viewer.drawing.canvas import only_errors
 from meshdepict.viewer.windows.camera import camera_view
 from meshdepict.viewer.windows.clipping_box import ClippingBox
 from meshdepict.viewer.windows.keys import help_text

@@ -11,15 +11,16 @@ import time
 from pathlib import Path
 from typing import Any
 
+from meshdepict.drawing.canvas import only_errors
 from meshdepict.errors import MeshdepictError
-from meshdepict.scene import View
+from meshdepict.scene.view import View
 from meshdepict.viewer.session import Session
 from meshdepict.viewer.windows.actions import Actions
 from meshdepict.viewer.windows.lit_object import LitObject
 from meshdepict.viewer.windows.lit_window import LitWindow
 from meshdepict.viewer.windows.preview import Pace
 from meshdepict.viewer.windows.scenery import Scenery
-from meshdepict.viewer.windows.window_events import bind, only_errors
+from meshdepict.viewer.windows.window_events import bind
 
 __all__ = ["Window"]
 

@@ -8,9 +8,9 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
+from meshdepict.drawing.canvas import only_errors
+from meshdepict.drawing.display import check_display
 from meshdepict.errors import MeshdepictError
-from meshdepict.viewer.display import check_display
-from meshdepict.viewer.drawing.canvas import only_errors
 
 __all__ = ["bind", "only_errors", "run_loop"]
 

@@ -1,0 +1,1 @@
+"""From a shape and a look to colours that can be kept."""

@@ -1,0 +1,270 @@
+"""Volumes bigger than memory: the same shading block by block, from and to zarr or mapped files.
+
+Blocks overlap by what a normal reaches, and Gaussians are those of the whole grid, so that the
+numbers are those of `bake_volume`. The reach is 8 times the widest width at the default tolerance:
+few, large blocks save work.
+"""
+
+from __future__ import annotations
+
+import math
+import os
+from itertools import pairwise
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from meshdepict.baking.voxel_shading import BESIDE, VolumeRecipe, volume_recipe
+from meshdepict.errors import MeshdepictError
+from meshdepict.scene.view import View
+from meshdepict.shapes.place import Place
+from meshdepict.voxels.grid_normals import in_voxels
+from meshdepict.voxels.grid_samples import Triple
+from meshdepict.voxels.grid_sums import Piece, halo
+
+if TYPE_CHECKING:
+    from meshdepict.color.transfer_function import TransferFunction
+
+__all__ = ["bake_out_of_core", "lazy_rgba"]
+
+_BLOCK = 1 << 24  # voxels of a block that is chosen here
+
+
+def bake_out_of_core(
+    source: Any,
+    out: str | Path,
+    method: str = "exaggerated",
+    *,
+    transfer: str | TransferFunction,
+    spacing: ArrayLike = (1.0, 1.0, 1.0),
+    origin: ArrayLike = (0.0, 0.0, 0.0),
+    direction: ArrayLike | None = None,
+    hounsfield: bool = False,
+    value_range: tuple[float, float] | None = None,
+    chunks: Triple | None = None,
+    light: Any = "northwest",
+    view: str | View = "front",
+    up: str = "z",
+    scales: int | None = None,
+    width: float | str | None = None,
+    ratio: float | None = None,
+    tolerance: float = 1e-4,
+    **options: Any,
+) -> dict[str, str]:
+    """Shade a volume that need not fit into memory, and write RGBA as uint8 (nz, ny, nx, 4).
+
+    Blocks go one by one, on all cores each, unless a Dask client or scheduler is active.
+
+    Parameters
+    ----------
+    source : path, zarr.Array, dask.array.Array or numpy.ndarray
+        Values (nz, ny, nx); paths end in .zarr or .npy.
+    out : path
+        .zarr, or .npy, which is mapped into memory and replaces a file once it is complete.
+    transfer, light, view, up, scales, width, ratio, tolerance, **options
+        As for `bake_volume`.
+    spacing, origin, direction, hounsfield
+        As for `Volume`.
+    value_range : (low, high), optional
+        Of the values; looked for, block by block, unless given.
+    chunks : (z, y, x), optional
+        Voxels of a block.
+
+    Returns
+    -------
+    dict of str
+        The provenance; a .zarr has it among its attributes.
+
+    Raises
+    ------
+    MeshdepictError
+        For what can't be read or written, a missing package, and as `bake_volume`.
+    """
+    values = _dask_array(source)
+    import dask  # there, or _dask_array has said so
+
+    if value_range is None:
+        value_range = _range(values)
+    place = Place(
+        values.shape, value_range,
+        spacing=spacing, origin=origin, direction=direction, hounsfield=hounsfield,
+    )  # fmt: skip
+    recipe = volume_recipe(
+        place, method, transfer=transfer, light=light, view=view, up=up,
+        scales=scales, width=width, ratio=ratio, tolerance=tolerance, **options,
+    )  # fmt: skip
+    rgba = lazy_rgba(values, recipe, chunks=chunks)
+    provenance = recipe.provenance(None, math.nan)
+    del provenance["shaded"]  # nobody has counted
+    path = Path(out)
+    alone = dask.base.get_scheduler() is None
+    with dask.config.set(**({"scheduler": "synchronous"} if alone else {})):
+        if path.suffix == ".zarr":
+            _to_zarr(rgba, path, provenance)
+        elif path.suffix == ".npy":
+            _to_npy(rgba, path)
+        else:
+            raise MeshdepictError(f"{path}: RGBA goes to a .zarr or .npy, not to {path.suffix!r}")
+    return provenance
+
+
+def lazy_rgba(values: Any, recipe: VolumeRecipe, *, chunks: Triple | None = None) -> Any:
+    """Return RGBA (nz, ny, nx, 4) as a dask array that is shaded where it is asked for.
+
+    Parameters
+    ----------
+    values : dask.array.Array
+        (nz, ny, nx).
+    recipe : VolumeRecipe
+        Of the whole volume.
+    chunks : (z, y, x), optional
+        Voxels of a block; more where normals reach further.
+
+    Raises
+    ------
+    MeshdepictError
+        For methods that need all voxels at once.
+    """
+    import dask.array as da
+
+    recipe.refuse_pieces("this volume is shaded block by block: bake a smaller one in memory")
+    shape: Triple = (values.shape[0], values.shape[1], values.shape[2])
+    widths = np.array([in_voxels(float(width), recipe.shape) for width in recipe.widths])
+    reach = halo(shape, widths, recipe.tolerance)
+    depth = tuple(min(r + BESIDE, n) for r, n in zip(reach, shape, strict=True))
+    values = values.rechunk(_blocks(shape, depth, chunks))
+    starts = [np.concatenate(([0], np.cumsum(sizes)))[:-1] for sizes in values.chunks]
+
+    def shade(block: NDArray[Any], block_info: Any = None) -> NDArray[np.uint8]:
+        place = block_info[0]["chunk-location"]
+        low = tuple(int(s[i]) for s, i in zip(starts, place, strict=True))
+        sizes = (values.chunks[axis][i] for axis, i in enumerate(place))
+        high = tuple(a + int(n) for a, n in zip(low, sizes, strict=True))
+        corner = tuple(max(a - d, 0) for a, d in zip(low, depth, strict=True))
+        return recipe.rgba(Piece(block, corner, shape, recipe.shape.range), low, high)[0]  # type: ignore[arg-type]
+
+    return da.map_overlap(
+        shade,
+        values,
+        depth=dict(enumerate(depth)),
+        boundary="none",  # the matrices know the border
+        trim=False,
+        allow_rechunk=False,
+        chunks=(*values.chunks, (4,)),
+        new_axis=3,
+        dtype=np.uint8,
+        meta=np.empty((0, 0, 0, 0), np.uint8),
+    )
+
+
+def _blocks(shape: Triple, depth: tuple[int, ...], chunks: Triple | None) -> Any:
+    """Return sizes of blocks along each axis, none of them smaller than what overlaps."""
+    if chunks is None:  # slabs, whose neighbours are only two
+        thick = max(depth[0], _BLOCK // (shape[1] * shape[2]), 1)
+        chunks = (thick, shape[1], shape[2])
+    found = []
+    for n, d, c in zip(shape, depth, chunks, strict=True):
+        count = max(1, n // max(min(c, n), d, 1))
+        cuts = [n * i // count for i in range(count + 1)]
+        found.append(tuple(b - a for a, b in pairwise(cuts)))
+    return tuple(found)
+
+
+def _dask_array(source: Any) -> Any:
+    """Return a dask array of a path, a zarr array, a mapped file or one of its own."""
+    try:
+        import dask.array as da
+    except ImportError:
+        raise MeshdepictError(
+            "volumes bigger than memory need dask and zarr: pip install 'meshdepict[cluster]'"
+        ) from None
+    if isinstance(source, (str, os.PathLike)):
+        source = _opened(Path(source))
+    if not isinstance(source, da.Array):
+        if not hasattr(source, "ndim"):
+            raise MeshdepictError(
+                f"a {type(source).__name__} is not an array: give a path, or an array of zarr, "
+                "dask or NumPy"
+            )
+        # Slabs of whole rows: a mapped file is read from front to back.
+        sizes = getattr(source, "chunks", None) or (16, *source.shape[1:])
+        source = da.from_array(source, chunks=sizes)
+    if source.ndim != 3 or min(source.shape) < 2 or source.dtype.kind not in "biuf":
+        raise MeshdepictError(
+            f"a volume is a grid (z, y, x) of real numbers, two or more along each axis, not "
+            f"{source.dtype} of shape {source.shape}"
+        )
+    return source
+
+
+def _opened(path: Path) -> Any:
+    if path.suffix == ".npy":
+        try:
+            return np.load(path, mmap_mode="r", allow_pickle=False)
+        except (OSError, ValueError) as error:
+            raise MeshdepictError(f"{path} can't be read: {error}") from None
+    if path.suffix != ".zarr":
+        raise MeshdepictError(f"{path}: volumes bigger than memory are read from .zarr or .npy")
+    zarr = _zarr()
+    try:
+        found = zarr.open(path, mode="r")
+    except Exception as error:  # zarr's versions raise errors of several kinds
+        raise MeshdepictError(f"{path} can't be read: {error}") from None
+    if not hasattr(found, "ndim"):
+        raise MeshdepictError(f"{path} is a zarr group: give the path of an array in it")
+    return found
+
+
+def _zarr() -> Any:
+    try:
+        import zarr
+    except ImportError:
+        raise MeshdepictError(
+            "reading and writing .zarr needs zarr: pip install 'meshdepict[cluster]'"
+        ) from None
+    return zarr
+
+
+def _range(values: Any) -> tuple[float, float]:
+    import dask
+
+    with dask.config.set(**({"scheduler": "threads"} if dask.base.get_scheduler() is None else {})):
+        low, high = dask.compute(values.min(), values.max())
+    if not (math.isfinite(low) and math.isfinite(high)):
+        raise MeshdepictError("the volume has values that are NaN or infinite: replace them")
+    if low == high:
+        raise MeshdepictError(f"the volume is constant: every voxel is {low}")
+    return float(low), float(high)
+
+
+def _to_zarr(rgba: Any, path: Path, provenance: dict[str, str]) -> None:
+    import dask.array as da
+
+    part = path.with_name(f".{path.name}.part")
+    if path.exists():
+        raise MeshdepictError(f"{path} exists already: a .zarr is not written over")
+    # Not the blocks of the work: a viewer wants pieces.
+    pieces = (*(min(n, 64) for n in rgba.shape[:3]), 4)
+    target = _zarr().create_array(part, shape=rgba.shape, chunks=pieces, dtype="u1", overwrite=True)
+    target.attrs.update({"meshdepict": provenance, "axes": ["z", "y", "x", "rgba"]})
+    da.store(rgba, target, lock=True)
+    part.rename(path)
+
+
+def _to_npy(rgba: Any, path: Path) -> None:
+    import dask.array as da
+
+    part = path.with_name(f".{path.name}.part")
+    try:
+        target = np.lib.format.open_memmap(part, mode="w+", dtype=np.uint8, shape=rgba.shape)
+    except OSError as error:
+        raise MeshdepictError(f"{path} can't be written: {error.strerror}") from None
+    try:
+        da.store(rgba, target, lock=True)
+        target.flush()
+        del target
+        part.replace(path)
+    finally:
+        part.unlink(missing_ok=True)

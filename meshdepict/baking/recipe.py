@@ -1,0 +1,167 @@
+"""Recipes: how a bake looks, in a small TOML file that gives the same bake anywhere, later."""
+
+from __future__ import annotations
+
+import inspect
+import json
+import os
+import tomllib
+from collections.abc import Mapping
+from os.path import exists
+from pathlib import Path
+from typing import Any
+
+from meshdepict.baking.surfaces import bake, find_method
+from meshdepict.errors import MeshdepictError
+from meshdepict.files.atomic import atomic_write
+from meshdepict.options import check, nearest, options_of
+from meshdepict.scene.light import Light
+from meshdepict.scene.view import View
+
+__all__ = ["LOOK", "load_recipe", "merge_recipe", "save_recipe"]
+
+LOOK = (
+    "method", "light", "view", "up", "scales", "width", "ratio", "facing", "tolerance",
+    "colormap", "colormap2d", "albedo", "refine",
+)  # fmt: skip
+"""What a recipe holds beside the method's options: keywords of `bake`."""
+
+_SIGHT = ("position", "focus", "up", "height_px", "field_of_view", "parallel_scale")
+
+_MARK = "# meshdepict recipe"
+
+
+def load_recipe(path: str | os.PathLike[str]) -> dict[str, Any]:
+    """Read a recipe as keyword arguments of `bake`: ``bake(mesh, **load_recipe("look.toml"))``.
+
+    Raises
+    ------
+    MeshdepictError
+        Where the file can't be read, is no TOML or holds what `bake` doesn't know.
+    """
+    try:
+        read = tomllib.loads(Path(path).read_text(encoding="utf-8"))
+    except OSError as error:
+        raise MeshdepictError(f"{path} can't be read: {error.strerror}") from None
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise MeshdepictError(f"{path} is no recipe in TOML: {error}") from None
+    options = read.pop("options", {})
+    for name in read:
+        if name not in LOOK:
+            raise MeshdepictError(
+                f"{path}: recipes have no {name!r}{nearest(name, LOOK)} (they have "
+                f"{', '.join(LOOK)} and the table [options])"
+            )
+    if not isinstance(options, Mapping):
+        raise MeshdepictError(f"{path}: options must be a table, [options]")
+    method = read.setdefault("method", _default("method"))
+    options = check(find_method(method), options, f"{path}: {method}")
+    if isinstance(read.get("view"), Mapping):
+        read["view"] = _view(path, read["view"])
+    if isinstance(read.get("light"), list):
+        read["light"] = tuple(read["light"])
+    return {**read, **options}
+
+
+def merge_recipe(recipe: Mapping[str, Any], given: Mapping[str, Any]) -> dict[str, Any]:
+    """Return a recipe with what was given in its place; another method drops its options."""
+    if given.get("method", recipe["method"]) != recipe["method"]:
+        recipe = {name: value for name, value in recipe.items() if name in LOOK}
+    return {**recipe, **given}
+
+
+def save_recipe(
+    path: str | os.PathLike[str], settings: Mapping[str, Any], *, force: bool = False
+) -> None:
+    """Write keyword arguments of `bake` as a recipe, today's defaults included.
+
+    Only a width that follows from the mesh, the median edge, is left out.
+
+    Parameters
+    ----------
+    path : path
+    settings : mapping
+    force : bool
+        Whether to replace a file that is no recipe.
+
+    Raises
+    ------
+    MeshdepictError
+        For settings that no file can hold, such as a material, and where the file may not be
+        replaced or written.
+    """
+    from meshdepict import __version__
+    from meshdepict.shading.method import declaration
+
+    path = Path(path)
+    method = settings.get("method", _default("method"))
+    function = find_method(method)
+    declared = declaration(function)
+    look = {name: settings.get(name, _default(name)) for name in LOOK}
+    look["method"] = method
+    if look["scales"] is None or declared.scales == 0:
+        look["scales"] = declared.scales
+    look["ratio"] = look["ratio"] or declared.ratio
+    if isinstance(look["light"], Light):
+        look["light"] = look["light"].direction.tolist()
+    if isinstance(look["view"], View):
+        fields = ((name, getattr(look["view"], name)) for name in _SIGHT)
+        look["view"] = {name: value for name, value in fields if value is not None}
+    given = {name: value for name, value in settings.items() if name not in LOOK}
+    options = {name: option.default for name, option in options_of(function).items()}
+    options |= check(function, given, method)
+    lines = [f"{_MARK}, written by version {__version__}", *_lines(look)]
+    text = "\n".join([*lines, "", "[options]", *_lines(options), ""])
+    if not force and exists(path) and not _is_recipe(path):
+        raise MeshdepictError(
+            f"{path} exists and is no recipe: choose another name, or replace it with --force"
+        )
+    with atomic_write(path) as stream:
+        stream.write(text.encode())
+
+
+def _default(name: str) -> Any:
+    return inspect.signature(bake).parameters[name].default
+
+
+def _is_recipe(path: Path) -> bool:
+    try:
+        with path.open("rb") as stream:
+            return stream.read(len(_MARK)) == _MARK.encode()
+    except OSError:
+        return False
+
+
+def _view(path: str | os.PathLike[str], fields: Mapping[str, Any]) -> View:
+    for name in fields:
+        if name not in _SIGHT:
+            raise MeshdepictError(
+                f"{path}: a view has no {name!r}{nearest(name, _SIGHT)} "
+                f"(it has {', '.join(_SIGHT)})"
+            )
+    try:
+        return View(**fields)
+    except (MeshdepictError, TypeError) as error:
+        raise MeshdepictError(f"{path}: {error}") from None
+
+
+def _lines(table: Mapping[str, Any]) -> list[str]:
+    return [f"{name} = {_value(name, value)}" for name, value in table.items() if value is not None]
+
+
+def _value(name: str, value: Any) -> str:
+    """Return a value as TOML writes it."""
+    if isinstance(value, Mapping):
+        return (
+            "{ " + ", ".join(f"{key} = {_value(key, item)}" for key, item in value.items()) + " }"
+        )
+    if isinstance(value, str):
+        return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
+    if isinstance(value, (list, tuple)) or hasattr(value, "tolist"):
+        items = value.tolist() if hasattr(value, "tolist") else value
+        if isinstance(items, (list, tuple)):
+            return "[" + ", ".join(_value(name, item) for item in items) + "]"
+        value = items
+    if isinstance(value, (int, float)) and not isinstance(value, bool):
+        return repr(value)
+    raise MeshdepictError(f"a recipe can't hold {name}={value!r}: give it by name or in numbers")

@@ -1,0 +1,209 @@
+"""Recipes for voxels: all that shading takes but the voxels themselves."""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from meshdepict import color
+from meshdepict.baking.provenance import describe
+from meshdepict.baking.surfaces import find_method
+from meshdepict.errors import MeshdepictError
+from meshdepict.options import check
+from meshdepict.scales.grid_scales import GridSpace, piece_space
+from meshdepict.scales.ladder import check_ladder, ladder, resolve_width
+from meshdepict.scene.light import as_lighting
+from meshdepict.scene.view import View, as_view
+from meshdepict.threads import each, spans
+from meshdepict.voxels.grid_samples import Samples, Triple, grown
+from meshdepict.voxels.grid_sums import Piece
+
+if TYPE_CHECKING:
+    from meshdepict.color.transfer_function import TransferFunction
+    from meshdepict.shapes.volume import Volume
+
+__all__ = ["BESIDE", "VolumeRecipe", "volume_recipe"]
+
+BESIDE = 2
+"""How many voxels around a box have a say in it, beyond what their own normals reach."""
+
+_PART = 1 << 16  # samples coloured at a time, in parallel and in the cache
+
+_FLAT = 0.5  # display value of what is shown but has no normal: the middle of all methods
+
+
+@dataclass(frozen=True)
+class VolumeRecipe:
+    """All that shading voxels takes but the voxels: the same for a volume, a slab or a block."""
+
+    shape: Volume
+    function: Callable[..., Any]
+    options: Mapping[str, Any]
+    light: Any
+    view: View
+    given_view: str | View
+    up: str
+    widths: NDArray[np.float64]
+    ratio: float
+    tolerance: float
+    transfer: TransferFunction | None
+
+    @property
+    def linear(self) -> bool:
+        """Whether the method's values are linear."""
+        from meshdepict.shading.method import declaration
+
+        return declaration(self.function).linear
+
+    def shade(self, space: GridSpace) -> NDArray[np.float32]:
+        """Return the method's values for the samples of a space."""
+        seen = "view" in inspect.signature(self.function).parameters
+        needed = {"view": self.view} if seen else {}
+        return self.function(space, self.light, **needed, **self.options)
+
+    def paint(
+        self,
+        space: GridSpace,
+        intensity: NDArray[np.float32],
+        rgba: NDArray[np.uint8],
+        corner: Triple,
+    ) -> None:
+        """Fill in the samples of an array (z, y, x, 4) that begins at a voxel."""
+        out, box = rgba.reshape(-1, 4), (rgba.shape[0], rgba.shape[1], rgba.shape[2])
+        at, base, alpha = space._samples.flat(box, corner), space.base_color, space.alpha
+
+        def fill(a: int, b: int) -> None:
+            light = intensity[a:b] if self.linear else color.srgb_to_linear(intensity[a:b])
+            tinted = base[a:b] * (light if light.ndim == 2 else light[:, None])
+            out[at[a:b], :3] = color.encode(tinted, linear=True)
+            out[at[a:b], 3] = alpha[a:b]
+
+        each(fill, spans(len(at), len(at) // _PART + 1))
+        if len(space.flat):
+            at = space.flat.flat(box, corner)
+            dim = color.srgb_to_linear(np.float32(_FLAT))
+            out[at, :3] = color.encode(space._color(space.flat) * dim, linear=True)
+            out[at, 3] = space._opacity(space.flat, np.zeros(len(space.flat)))
+
+    def rgba(self, piece: Piece, low: Triple, high: Triple) -> tuple[NDArray[np.uint8], int]:
+        """Return RGBA of a box of the volume's voxels, and how many of them are shaded.
+
+        Parameters
+        ----------
+        piece : Piece
+            The box's values with those around that its normals take, and `BESIDE` voxels more.
+        low, high : (z, y, x)
+            The box.
+        """
+        limits = self.shape.values.shape
+        # One voxel further, neighbours compare their normals; two, they may be shown themselves,
+        # and three, others make them neighbours of what is shown.
+        begin, end = _wider(low, high, BESIDE, limits)
+        wide_begin, wide_end = _wider(low, high, BESIDE + 1, limits)
+        wide = _box(wide_begin, wide_end, piece.corner)
+        shown = np.ones([b - a for a, b in zip(wide_begin, wide_end, strict=True)], bool)
+        if self.transfer is not None:
+            shown = grown(self.transfer.opacity(np.asarray(piece.values[wide])) > 0)
+        shown = shown[_box(begin, end, wide_begin)]
+        rgba, count = np.zeros((*shown.shape, 4), np.uint8), 0
+        if shown.any():
+            space = piece_space(
+                self.shape, piece, Samples.of_mask(shown, begin), self.widths, self.ratio,
+                transfer=self.transfer, tolerance=self.tolerance,
+            )  # fmt: skip
+            intensity = self.shade(space) if len(space.points) else np.empty(0, np.float32)
+            self.paint(space, intensity, rgba, begin)
+            places = space._samples.indices()[:, ::-1]
+            count = int(((places >= low) & (places < high)).all(axis=1).sum())
+        return rgba[_box(low, high, begin)], count
+
+    def refuse_pieces(self, why: str) -> None:
+        """Refuse a method that can't be had in pieces."""
+        from meshdepict.shading.method import declaration
+
+        if not declaration(self.function).local:
+            raise MeshdepictError(f"{self.function.__name__} needs all voxels at once, and {why}")
+
+    def provenance(self, space: GridSpace | None, share: float) -> dict[str, str]:
+        """Return what was shaded, and how."""
+        if space is None:
+            none = Samples((0, 0, 0), np.zeros((0, 1), np.int64), np.zeros(0, np.int32))
+            piece = Piece(np.zeros((0, 0, 0)), (0, 0, 0), (0, 0, 0), (0.0, 1.0))
+            space = piece_space(
+                self.shape, piece, none, self.widths, self.ratio,
+                transfer=self.transfer, tolerance=self.tolerance,
+            )  # fmt: skip
+        described = describe(
+            self.function,
+            space,
+            options=self.options,
+            light=self.light,
+            view=self.given_view,
+            up=self.up,
+            colormap=None,
+            albedo="none" if self.transfer is None else f"transfer function {self.transfer.name}",
+        )
+        return described | {"shaded": f"{share:.3%} of the voxels"}
+
+
+def _wider(
+    low: Triple, high: Triple, margin: int, limits: tuple[int, ...]
+) -> tuple[Triple, Triple]:
+    """Return a box with a margin, within the grid."""
+    a, b, c = (max(x - margin, 0) for x in low)
+    d, e, f = (min(x + margin, n) for x, n in zip(high, limits, strict=True))
+    return (a, b, c), (d, e, f)
+
+
+def _box(low: Triple, high: Triple, corner: Triple) -> tuple[slice, ...]:
+    """Return the slices of a box in an array that begins at a corner."""
+    return tuple(slice(a - c, b - c) for a, b, c in zip(low, high, corner, strict=True))
+
+
+def volume_recipe(
+    shape: Volume,
+    method: str,
+    *,
+    transfer: str | TransferFunction | None,
+    light: Any,
+    view: str | View,
+    up: str,
+    scales: int | None = None,
+    width: float | str | None = None,
+    ratio: float | None = None,
+    tolerance: float,
+    widths: NDArray[np.float64] | None = None,
+    **options: Any,
+) -> VolumeRecipe:
+    """Check all that shading a volume takes; parameters as for `bake_volume`."""
+    from meshdepict.color.transfer import for_volume
+    from meshdepict.shading.method import declaration
+
+    function = find_method(method)
+    declared = declaration(function)
+    options = check(function, options, method)
+    ratio = declared.ratio if ratio is None else ratio
+    if widths is None:
+        scales = declared.scales if scales is None or declared.scales == 0 else scales
+        check_ladder(scales, ratio, 0, tolerance)
+        first = resolve_width(width, shape)
+        widths = ladder(scales, ratio, first)
+    eye = as_view(view, shape, up=up)
+    return VolumeRecipe(
+        shape=shape,
+        function=function,
+        options=options,
+        light=as_lighting(light, eye, up=up),
+        view=eye,
+        given_view=view,
+        up=up,
+        widths=widths,
+        ratio=float(ratio),
+        tolerance=tolerance,
+        transfer=None if transfer is None else for_volume(transfer, shape),
+    )

@@ -1,0 +1,21 @@
+"""From values to colours: encoding, colour maps, transfer functions."""
+
+from meshdepict.color.encoding import (
+    apply_colormap,
+    colormap,
+    encode,
+    linear_to_srgb,
+    multiply_albedo,
+    quantise,
+    srgb_to_linear,
+)
+
+__all__ = [
+    "apply_colormap",
+    "colormap",
+    "encode",
+    "linear_to_srgb",
+    "multiply_albedo",
+    "quantise",
+    "srgb_to_linear",
+]

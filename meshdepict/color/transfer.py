@@ -1,0 +1,136 @@
+"""Which transfer function a volume gets: the presets, and the way from raw to Hounsfield units."""
+
+from __future__ import annotations
+
+import functools
+import math
+import os
+import tomllib
+import warnings
+from collections.abc import Mapping
+from importlib import resources
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from meshdepict.color.transfer_function import AIR, TransferFunction
+from meshdepict.errors import MeshdepictError, MeshdepictWarning
+from meshdepict.options import nearest
+
+if TYPE_CHECKING:
+    from meshdepict.shapes.volume import Volume
+
+__all__ = ["PRESETS", "TransferFunction", "for_volume", "landmarks", "preset"]
+
+PRESETS = ("bone", "skin", "muscle", "lung", "micro-ct")
+"""Names of the transfer functions in Hounsfield units that come with the program."""
+
+_SAMPLE = 1 << 20  # voxels that the median of air and object is taken from
+
+
+def preset(name: str) -> TransferFunction:
+    """Return the preset of a name, in Hounsfield units.
+
+    Raises
+    ------
+    MeshdepictError
+        For an unknown name.
+    """
+    if name not in PRESETS:
+        raise MeshdepictError(
+            f"no transfer function is called {name!r}{nearest(name, PRESETS)} (there are "
+            f"{', '.join(PRESETS)}, and files that end in .toml)"
+        )
+    return _presets()[name]
+
+
+@functools.cache
+def _presets() -> Mapping[str, TransferFunction]:
+    text = resources.files("meshdepict.color").joinpath("presets.toml").read_text(encoding="utf-8")
+    tables = tomllib.loads(text)
+    return {name: TransferFunction.of_table(table, name) for name, table in tables.items()}
+
+
+def for_volume(
+    transfer: str | os.PathLike[str] | TransferFunction,
+    volume: Volume,
+    *,
+    slope: float | None = None,
+    intercept: float | None = None,
+) -> TransferFunction:
+    """Return a transfer function in the unit of a volume.
+
+    CT numbers are linear in what they measure, so two landmarks take raw numbers to Hounsfield
+    units: the median of air (−1000) and the median of the object (`material`), on either side of
+    Otsu's threshold. A warning says which were found.
+
+    Parameters
+    ----------
+    transfer : str, path-like or TransferFunction
+        A preset's name, the path of a .toml file, or a function.
+    volume : Volume
+    slope, intercept : float, optional
+        HU = slope · raw + intercept, where known; one alone takes 1 or 0 for the other.
+
+    Raises
+    ------
+    MeshdepictError
+        For an unknown name, a function of raw numbers with a volume in Hounsfield units, and a
+        slope or intercept with either.
+    """
+    if not isinstance(transfer, TransferFunction):
+        name = os.fspath(transfer)
+        is_file = name.lower().endswith(".toml")
+        transfer = TransferFunction.from_toml(name) if is_file else preset(name)
+    given = slope is not None or intercept is not None
+    if given and (volume.hounsfield or transfer.unit == "raw"):
+        what = "volume" if volume.hounsfield else "transfer function"
+        raise MeshdepictError(
+            "slope and intercept turn raw numbers into Hounsfield units, but the "
+            f"{what} is in {'Hounsfield units already' if volume.hounsfield else 'raw numbers'}"
+        )
+    if volume.hounsfield and transfer.unit == "raw":
+        raise MeshdepictError(
+            f"the transfer function {transfer.name!r} is one of raw numbers, but the volume is in "
+            "Hounsfield units"
+        )
+    if volume.unit == transfer.unit:
+        return transfer
+    if given:
+        return transfer.in_raw_numbers(1.0 if slope is None else slope, intercept or 0.0)
+    if volume.range[0] <= -900:  # no raw number is negative but by such an offset
+        warnings.warn(
+            f"the volume doesn't say its unit; with numbers from {volume.range[0]:g} on they are "
+            "taken as Hounsfield units",
+            MeshdepictWarning,
+            stacklevel=2,
+        )
+        return transfer.in_raw_numbers(1.0, 0.0)
+    air, material = landmarks(volume)
+    slope = (transfer.material - AIR) / (material - air)
+    intercept = AIR - slope * air
+    warnings.warn(
+        f"the volume is not in Hounsfield units: for {transfer.name!r} air is taken as {air:g} and "
+        f"what fills most of the object ({transfer.material:g} HU) as {material:g}, that is slope "
+        f"{slope:.4g} and intercept {intercept:.4g}; give both if you know them",
+        MeshdepictWarning,
+        stacklevel=2,
+    )
+    return transfer.in_raw_numbers(slope, intercept)
+
+
+def landmarks(volume: Volume) -> tuple[float, float]:
+    """Return the median values of air and of the object: below and above Otsu's threshold.
+
+    Taken from every k-th voxel along each axis, about a million in all.
+    """
+    step = math.ceil((volume.n_samples / _SAMPLE) ** (1 / 3))
+    sample = np.sort(volume.values[::step, ::step, ::step], axis=None).astype(np.float64)
+    cumulated = np.cumsum(sample)
+    below = np.arange(1, len(sample))
+    above = len(sample) - below
+    low, high = cumulated[:-1] / below, (cumulated[-1] - cumulated[:-1]) / above
+    between = below * above * (high - low) ** 2.0  # Otsu 1979: the variance between two classes
+    between[sample[1:] == sample[:-1]] = -1  # equal values stay together
+    cut = int(between.argmax()) + 1
+    return float(np.median(sample[:cut])), float(np.median(sample[cut:]))

@@ -1,0 +1,239 @@
+"""Baking files: where the results go, what they may replace, and one after the other.
+
+Whatever can be refused is refused before the first mesh is read.
+"""
+
+from __future__ import annotations
+
+import os
+import time
+import warnings
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from os.path import exists, isdir, realpath  # unlike Path's, these never raise
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from meshdepict.baking.baked import Baked
+from meshdepict.baking.surfaces import bake
+from meshdepict.commands.console import about, complain, notes, progress_bar
+from meshdepict.commands.targets import check_target
+from meshdepict.drawing.figure import Figure
+from meshdepict.drawing.framing import check_scale, frame
+from meshdepict.drawing.picture import check_picture, save_picture
+from meshdepict.errors import MeshdepictError
+from meshdepict.io import read_mesh
+from meshdepict.io.source import FORMATS, WRITABLE, suffix_of
+from meshdepict.scene.view import as_view
+from meshdepict.shapes import samples
+
+if TYPE_CHECKING:
+    from meshdepict.shapes.mesh import Mesh
+
+__all__ = ["Batch", "check_settings", "stem"]
+
+_GOLF_BALL = "golf-ball"
+_VISIBLE = 2  # grey levels
+_MEMORY = "out of memory: a simplified mesh needs less"
+
+
+@dataclass(frozen=True)
+class Job:
+    """One bake: from a file, or the built-in golf ball where ``source`` is None."""
+
+    source: Path | None
+    output: Path
+    picture: Path | None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Batch:
+    """Meshes to bake alike.
+
+    Attributes
+    ----------
+    inputs : sequence of Path
+        None at all means the built-in golf ball.
+    settings : mapping
+        Keyword arguments of `bake`.
+    output, picture : str, optional
+        A file or an existing folder; with several inputs, a folder. Without ``output`` the
+        current folder, without ``picture`` no picture.
+    figure : Figure
+        How the pictures are laid out.
+    winding : {"auto", "keep"}
+    fix_winding : bool
+        Whether turned faces are written.
+    force : bool
+        Whether to replace files that this program didn't write.
+    quiet : bool
+    """
+
+    inputs: Sequence[Path]
+    settings: Mapping[str, Any]
+    output: str | None = None
+    picture: str | None = None
+    figure: Figure = field(default_factory=Figure)
+    winding: str = "auto"
+    fix_winding: bool = False
+    force: bool = False
+    quiet: bool = False
+
+    @cached_property
+    def _real_inputs(self) -> frozenset[str]:
+        return frozenset(map(realpath, self.inputs))
+
+    def run(self) -> int:
+        """Bake everything that can be baked; return how many failed, each with one line."""
+        check_settings(self.settings)
+        if self.picture is not None:
+            check_scale(self.settings.get("view"), self.figure)
+        if len(self.inputs) > 1:
+            for option, folder in (("-o", self.output), ("--picture", self.picture)):
+                if folder is not None and not (isdir(folder) or _names_folder(folder)):
+                    raise MeshdepictError(
+                        f"{option} {folder} is no existing folder: several meshes need one "
+                        "(end the name with / and it is made)"
+                    )
+        sources: Sequence[Path | None] = self.inputs or [None]
+        jobs: dict[str, Job] = {}  # by the file that they write
+        for source in sources:
+            try:
+                job = self._plan(source)
+                twin = jobs.setdefault(realpath(job.output), job)
+                if twin is not job:
+                    raise MeshdepictError(
+                        f"{source} would become {job.output} as {twin.source} does: "
+                        "name its output with -o"
+                    )
+            except MeshdepictError as error:
+                complain(error)
+        done = 0
+        for job in jobs.values():
+            try:
+                print(self._bake(job), flush=True)  # noqa: T201
+                done += 1
+            except MeshdepictError as error:
+                complain(about(job.source, error))
+            except MemoryError:
+                complain(about(job.source, _MEMORY))
+            except Exception as error:  # a fault of this program's: the other files go on
+                text = f"an unexpected fault, please report it ({type(error).__name__}: {error})"
+                complain(about(job.source, MeshdepictError(text)))
+        if len(sources) > 1 and not self.quiet:
+            complain(f"{done} of {len(sources)} baked")
+        return len(sources) - done
+
+    def _plan(self, source: Path | None) -> Job:
+        """Choose and check the names of the files to write."""
+        if source is not None and not exists(source):
+            raise MeshdepictError(f"{source}: there is no such file")
+        name = f"{stem(source)}-{self.settings['method']}"
+        output = _target(self.output or ".", f"{name}.ply", "-o")
+        _check_format(output)
+        picture = None
+        if self.picture is not None:
+            picture = _target(self.picture, f"{name}.png", "--picture")
+            check_picture(picture)
+        for path in filter(None, (output, picture)):
+            check_target(path, force=self.force, inputs=self._real_inputs)
+        return Job(source, output, picture)
+
+    def _read(self, source: Path | None) -> Mesh:
+        if source is None:
+            return samples.golf_ball()
+        return read_mesh(source, winding=self.winding)
+
+    def _check_fit(self, mesh: Mesh) -> None:
+        """Refuse what is too large for its picture, before the long work."""
+        view = self.settings.get("view", "front")
+        frame(as_view(view, mesh, up=self.settings.get("up", "y")), mesh, self.figure)
+
+    def _bake(self, job: Job) -> str:
+        """Bake one mesh, write the files and return the line about it."""
+        start = time.perf_counter()
+        label = job.source.name if job.source else _GOLF_BALL
+        with notes(job.source, quiet=self.quiet), progress_bar(label, quiet=self.quiet) as progress:
+            mesh = self._read(job.source)
+            if self.fix_winding:
+                mesh = mesh.rewound()
+            if job.picture:
+                self._check_fit(mesh)
+            baked = bake(mesh, progress=progress, **self.settings)
+            baked.save(job.output)
+            if job.picture:
+                save_picture(baked, job.picture, self.figure)
+        error = None if self.quiet else baked.edge_error
+        if error is not None and error.rms > _VISIBLE:
+            text = (
+                f"colours between vertices are off by {error.rms:.0f} of 255 grey levels (rms), at "
+                f"{error.share:.0%} of the edges by more than 2: --refine 2 splits triangles there"
+            )
+            complain(f"note: {about(job.source, text)}")
+        return _caption(job, baked, time.perf_counter() - start)
+
+
+def check_settings(settings: Mapping[str, Any]) -> None:
+    """Refuse settings that `bake` would refuse, by trying them on a sphere of twelve vertices.
+
+    Raises
+    ------
+    MeshdepictError
+        As `bake`, but for what depends on the mesh.
+    """
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # what they say is about the sphere
+        bake(samples.sphere(12), **{**settings, "albedo": "none"})
+
+
+def stem(source: Path | None) -> str:
+    """Return a file's name without the suffixes that formats have."""
+    if source is None:
+        return _GOLF_BALL
+    name = Path(source.name)
+    while name.suffix.lower() in (*FORMATS, ".gz"):
+        name = name.with_suffix("")
+    return name.name
+
+
+def _target(given: str, name: str, option: str) -> Path:
+    """Return the file that an option names: itself, or one of the given name in a folder."""
+    path = Path(given)
+    if isdir(path):
+        return path / name
+    if _names_folder(given):
+        try:
+            path.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise MeshdepictError(
+                f"{option} {given}: the folder can't be made ({error.strerror})"
+            ) from None
+        return path / name
+    return path
+
+
+def _names_folder(given: str) -> bool:
+    return given.endswith(("/", os.sep))
+
+
+def _check_format(path: Path) -> None:
+    writable = [*WRITABLE, ".html"]
+    if suffix_of(path) not in writable:
+        raise MeshdepictError(
+            f"{path}: colours are saved as {', '.join(writable)} (also with .gz), not as "
+            f"{suffix_of(path) or 'a file without suffix'}"
+        )
+
+
+def _caption(job: Job, baked: Baked, seconds: float) -> str:
+    """Return what a plate's caption needs: file, method, light, widths in file units, seconds."""
+    light = baked.provenance["light"].partition(" (")[0]  # its name, if it has one
+    count, *rest = baked.provenance["scales"].split(", ")
+    parts = [f"{job.output}: {baked.provenance['method']}", f"light {light}"]
+    if rest:
+        widths = rest[0] if count != "1" else rest[0].replace("widths", "width").split(" to ")[0]
+        parts.append(f"{count} {widths}")
+    if job.picture:
+        parts.append(f"picture {job.picture}")
+    return ", ".join([*parts, f"{seconds:.1f} s"])

@@ -1,0 +1,164 @@
+"""What ``meshdepict methods`` and ``meshdepict info`` print: plain text in columns."""
+
+from __future__ import annotations
+
+import inspect
+import warnings
+from collections.abc import Callable, Iterable, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from meshdepict import threads
+
+if TYPE_CHECKING:
+    from meshdepict.shapes.mesh import Mesh
+
+__all__ = ["info", "method", "methods", "predicted"]
+
+
+def methods() -> str:
+    """Return every method's name, summary and paper."""
+    from meshdepict.shading import METHODS
+    from meshdepict.shading.method import declaration
+
+    rows = []
+    for name, function in METHODS.items():
+        rows += [(name, _summary(function)), ("", declaration(function).source)]
+    return _columns(rows)
+
+
+def method(name: str) -> str:
+    """Return what there is to know about one method: its paper, its scales, its options."""
+    from meshdepict.baking.surfaces import find_method
+    from meshdepict.options import as_text, options_of
+    from meshdepict.shading.method import declaration
+
+    function = find_method(name)
+    declared = declaration(function)
+    scales = "no scales: the mesh's own normals"
+    if declared.scales:
+        scales = f"{declared.scales} scales, each {declared.ratio:.4g} times as wide as the last"
+    values = "linear light, encoded as sRGB" if declared.linear else "display values, as they are"
+    facts = [("paper", declared.source), ("uses", scales), ("values", values)]
+    options = [("--set", "default", "range", "")]
+    for option in options_of(function).values():
+        default = "none" if option.default is None else as_text(option.default)
+        options.append((option.name, default, str(option.accepts), option.help))
+    if len(options) == 1:
+        options = [("--set", "no options", "", "")]
+    return f"{name}: {_summary(function)}\n\n{_columns(facts)}\n\n{_columns(options)}"
+
+
+def info(path: Path) -> str:
+    """Return counts, size, defects, attributes and provenance of a mesh file, or of a volume."""
+    from meshdepict.io import read_mesh, read_provenance
+    from meshdepict.io.volumes import is_volume_path
+
+    if is_volume_path(path):
+        return _volume_info(path)
+    mesh = read_mesh(path)
+    seconds, size = predicted(mesh)
+    rows = [
+        ("vertices", f"{len(mesh.vertices):,}"),
+        ("faces", _faces(mesh)),
+        *_lengths(mesh),
+        *_oddities(mesh),
+        *((f"{element} data", ", ".join(names)) for element, names in _data(mesh) if names),
+        ("default bake", f"about {_duration(seconds)} and {_bytes(size)} of memory"),
+    ]
+    lines = read_provenance(path) or []
+    rows += [("" if i else "baked", line.split(" ", 1)[1]) for i, line in enumerate(lines)]
+    return f"{path}\n{_columns(rows, indent='  ')}"
+
+
+def _volume_info(path: Path) -> str:
+    """Return size, spacing, values and share of voxels that are shown by default."""
+    from meshdepict.io.volumes import read_volume
+
+    volume = read_volume(path)
+    nz, ny, nx = volume.values.shape
+    low, high = volume.range
+    numbers = zip("xyz", volume.spacing, volume.outline.min(0), volume.outline.max(0), strict=True)
+    box = [(a, f"{s:.6g}", f"{least:.6g} … {most:.6g}") for a, s, least, most in numbers]
+    rows = [
+        ("voxels", f"{nx} x {ny} x {nz}"),
+        ("values", f"{low:g} … {high:g} {volume.unit} ({volume.values.dtype})"),
+        ("spacing", "  ".join(f"{axis} {step}" for axis, step, _ in box)),
+        ("box", "  ".join(f"{axis} {span}" for axis, _, span in box)),
+        *((str(key).replace("_", " "), str(text)) for key, text in volume.attributes.items()),
+    ]
+    return f"{path}\n{_columns(rows, indent='  ')}"
+
+
+def predicted(mesh: Mesh) -> tuple[float, float]:
+    """Return roughly the seconds and bytes that a bake with default options takes.
+
+    Measured on scans of 40 to 500 thousand vertices: 65 core-µs and 1.3 kB each, beside half a
+    second and 160 MB for the program itself. Right within a factor of two.
+    """
+    count = len(mesh.vertices)
+    return 0.5 + 65e-6 * count / threads.thread_count(), 160e6 + 1300 * count
+
+
+def _faces(mesh: Mesh) -> str:
+    if mesh.polygons is None:
+        return f"{len(mesh.faces):,} triangles"
+    return f"{len(mesh.polygons.offsets) - 1:,} polygons ({len(mesh.faces):,} triangles)"
+
+
+def _lengths(mesh: Mesh) -> Iterable[tuple[str, str]]:
+    low, high = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
+    spans = zip("xyz", low, high, strict=True)
+    yield "box", "  ".join(f"{axis} {least:.6g} … {most:.6g}" for axis, least, most in spans)
+    yield "diagonal", f"{mesh.diagonal:.4g}"
+    yield "edge length", f"{mesh.edge_length:.4g} (median)"
+
+
+def _oddities(mesh: Mesh) -> Iterable[tuple[str, str]]:
+    from meshdepict.shapes.defects import find_defects
+
+    found = find_defects(mesh)
+    yield "parts", f"{found.parts:,}"
+    counts = (
+        (found.unreferenced_vertices, "unreferenced vertex", "unreferenced vertices"),
+        (found.coincident_vertices, "coincident vertex", "coincident vertices"),
+        (found.degenerate_faces, "degenerate face", "degenerate faces"),
+        (found.duplicate_faces, "duplicate face", "duplicate faces"),
+        (found.border_edges, "border edge", "border edges"),
+        (found.nonmanifold_edges, "non-manifold edge", "non-manifold edges"),
+    )
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # it is a row of the report
+        message = mesh.orientation.message
+    texts = [f"{count:,} {one if count == 1 else many}" for count, one, many in counts if count]
+    texts += [message] if message else []
+    for i, text in enumerate(texts or ["none"]):
+        yield "" if i else "defects", text
+
+
+def _data(mesh: Mesh) -> Iterable[tuple[str, list[str]]]:
+    textured = getattr(mesh.document, "texcoords", None) is not None
+    yield "vertex", list(mesh.attributes["vertex"])
+    yield "face", [*mesh.attributes["face"], *["texture coordinates"] * textured]
+
+
+def _summary(function: Callable[..., Any]) -> str:
+    paragraph = (inspect.getdoc(function) or "").partition("\n\n")[0]
+    return " ".join(paragraph.split())
+
+
+def _columns(rows: Sequence[Sequence[str]], indent: str = "") -> str:
+    """Return rows as lines, every column but the last as wide as its widest cell."""
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    padded = ([cell.ljust(width) for cell, width in zip(row, widths, strict=True)] for row in rows)
+    return "\n".join((indent + "  ".join(cells)).rstrip() for cells in padded)
+
+
+def _duration(seconds: float) -> str:
+    if seconds < 10:
+        return f"{seconds:.1f} s"
+    return f"{seconds:.0f} s" if seconds < 120 else f"{seconds / 60:.0f} min"
+
+
+def _bytes(size: float) -> str:
+    return f"{size / 1e6:.0f} MB" if size < 1e9 else f"{size / 1e9:.1f} GB"

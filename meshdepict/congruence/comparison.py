@@ -1,0 +1,232 @@
+"""Compare methods under many lights: pictures of one view and their congruence with the shape."""
+
+from __future__ import annotations
+
+import inspect
+import time
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from meshdepict import color
+from meshdepict.baking.surfaces import as_mesh, find_method
+from meshdepict.congruence.judging import Judge, light_directions, picture
+from meshdepict.errors import MeshdepictError
+from meshdepict.options import as_text, check, options_of
+from meshdepict.scales.ladder import Progress
+from meshdepict.scales.space import scale_space
+from meshdepict.scene.light import Light, as_light
+from meshdepict.scene.view import View
+from meshdepict.shading.method import declaration
+from meshdepict.shapes.gbuffer import GBuffer
+
+if TYPE_CHECKING:
+    from meshdepict.shapes.mesh import Mesh
+
+__all__ = ["METHODS", "Comparison", "compare", "light_name", "options_text"]
+
+METHODS = (
+    "lambert", "light_warping", "radiance_scaling", "normal_enhancement", "exaggerated",
+    "light_alignment",
+)  # fmt: skip
+"""What is compared unless said otherwise: plain shading, then what the papers compare."""
+
+# As in the comparison of LLA, figs. 13 and 14: all of matt material, so that they can be compared.
+_PUBLISHED: dict[str, dict[str, Any]] = {
+    "exaggerated": {"exaggeration": 40.0},  # within the 25 … 50 of ES
+    "light_warping": {"magnitude": 16.62},
+    "radiance_scaling": {"material": "lambert", "magnitude": 4.0},
+}
+
+
+@dataclass(frozen=True, kw_only=True)
+class Comparison:
+    """Scores and pictures of methods under lights.
+
+    Attributes
+    ----------
+    methods : tuple of str
+    lights : tuple of Light
+    scores : (methods, lights) array
+        Congruence, 0 … 1; see `congruence.score`.
+    pictures : (methods, lights, height, width, 3) array of uint8
+        Display colours on `background`.
+    score_pictures : tuple of (height, width, 4) arrays of uint8
+        For each method where its congruence is good (blue) and poor (red), under the light that
+        `worst` names.
+    options : tuple of dict
+        Of each method.
+    shape, view, settings, seconds
+        What was compared, from where, how the scale space was made, and how long it took.
+    """
+
+    methods: tuple[str, ...]
+    lights: tuple[Light, ...]
+    scores: NDArray[np.float64]
+    pictures: NDArray[np.uint8]
+    score_pictures: tuple[NDArray[np.uint8], ...]
+    options: tuple[dict[str, Any], ...]
+    shape: Mesh
+    view: View
+    settings: dict[str, Any]
+    seconds: float
+
+    @property
+    def means(self) -> NDArray[np.float64]:
+        """(methods,) mean scores over the lights."""
+        return self.scores.mean(axis=1)
+
+    @property
+    def worst(self) -> int:
+        """Number of the light under which the first method scores least."""
+        return int(np.argmin(self.scores[0]))
+
+    def table(self) -> list[list[str]]:
+        """Return rows of texts: a heading, a row per method with its mean and every score."""
+        heading = ["method", "mean", *(light_name(light) for light in self.lights)]
+        rows = [
+            [name, *(f"{value:.3f}" for value in (mean, *scores))]
+            for name, mean, scores in zip(self.methods, self.means, self.scores, strict=True)
+        ]
+        return [heading, *rows]
+
+
+def compare(
+    shape: Any,
+    methods: Sequence[str] = METHODS,
+    *,
+    lights: Sequence[Any] | None = None,
+    view: str | View = "front",
+    up: str = "y",
+    size: tuple[int, int] = (480, 480),
+    options: Mapping[str, Mapping[str, Any]] | None = None,
+    per_pixel: bool = False,
+    scales: int = 6,
+    width: float | str | None = None,
+    ratio: float = 1.7,
+    facing: int = 1,
+    tolerance: float = 1e-4,
+    background: tuple[int, int, int] = (198, 205, 214),
+    progress: Progress | None = None,
+) -> Comparison:
+    """Shade a mesh by several methods under several lights, and score them all.
+
+    All methods share one scale space. Methods that can see with the view's eye do so here
+    (``curvature="view"``), as they were published.
+
+    Parameters
+    ----------
+    shape : path, Mesh, pyvista.PolyData or trimesh.Trimesh
+    methods : sequence of str
+    lights : sequence, optional
+        The 21 lights of Local Light Alignment, §7, unless given.
+    view, up
+        As for `bake`.
+    size : (width, height)
+        Of every picture, in pixels; scores depend on it.
+    options : mapping, optional
+        Options of methods: ``{"exaggerated": {"exaggeration": 30}}``. Unless given, Light Warping
+        and Radiance Scaling have those of Local Light Alignment's comparison, on a matt material,
+        and Exaggerated Shading that of its own paper's examples.
+    per_pixel : bool
+        Shade pixels, as the papers do, instead of vertices.
+    scales, width, ratio, facing, tolerance
+        Of the scale space; see `scale_space`.
+    background : three of 0 … 255
+    progress : callable, optional
+        ``progress(done, total)``.
+
+    Returns
+    -------
+    Comparison
+
+    Raises
+    ------
+    MeshdepictError
+        For anything unknown or out of range, no method, no light, a view that misses the shape.
+    """
+    start = time.perf_counter()
+    methods = tuple(dict.fromkeys(methods))
+    if not methods:
+        raise MeshdepictError("compare needs at least one method")
+    chosen = _options(methods, options or {})
+    mesh = as_mesh(shape)
+    eye = view if isinstance(view, View) else _fitted(view, mesh, up, size)
+    buffer = GBuffer.of(mesh, eye, size=size)
+    eye = buffer.view
+    lamps = tuple(light_directions(eye) if lights is None else (as_light(x, eye) for x in lights))
+    if not lamps:
+        raise MeshdepictError("compare needs at least one light")
+    steps = len(methods) * len(lamps)
+    smoothing: dict[str, Any] = {
+        "scales": scales, "width": width, "ratio": ratio, "facing": facing, "tolerance": tolerance,
+    }  # fmt: skip
+    half = (lambda done, total: progress(done / total * steps, 2 * steps)) if progress else None
+    space = scale_space(buffer if per_pixel else mesh, **smoothing, progress=half)
+
+    def shaded(name: str, lamp: Light, options: Mapping[str, Any]) -> NDArray[Any]:
+        function = find_method(name)
+        sees = {"view": eye} if "view" in inspect.signature(function).parameters else {}
+        values = function(space, lamp, **sees, **options)
+        return values if per_pixel else buffer.sample(values)
+
+    reference = shaded("lambert", Light(eye.towards_eye), {})
+    judge = Judge(buffer.depth, buffer.mask, reference=buffer.image(reference))
+    scores = np.zeros((len(methods), len(lamps)))
+    height, width_px = buffer.mask.shape
+    pictures = np.empty((len(methods), len(lamps), height, width_px, 3), np.uint8)
+    for row, (name, given) in enumerate(zip(methods, chosen, strict=True)):
+        linear = declaration(find_method(name)).linear
+        for column, lamp in enumerate(lamps):
+            values = shaded(name, lamp, given)
+            scores[row, column] = judge.score(buffer.image(values))
+            shown = color.encode(values, linear=linear)
+            pictures[row, column] = buffer.image(shown, background=background)
+            if progress:
+                progress(steps + row * len(lamps) + column + 1, 2 * steps)
+    worst = lamps[int(np.argmin(scores[0]))]
+    maps = tuple(
+        picture(judge.flows(buffer.image(shaded(name, worst, given))))
+        for name, given in zip(methods, chosen, strict=True)
+    )
+    return Comparison(
+        methods=methods, lights=lamps, scores=scores, pictures=pictures, score_pictures=maps,
+        options=chosen, shape=mesh, view=eye, settings={**smoothing, "per_pixel": per_pixel},
+        seconds=time.perf_counter() - start,
+    )  # fmt: skip
+
+
+def light_name(light: Light) -> str:
+    """Return a short name for a column."""
+    return light.name or " ".join(f"{x:.2g}" for x in light.direction)
+
+
+def options_text(options: Mapping[str, Any]) -> str:
+    """Return options as ``--set`` takes them."""
+    return " ".join(f"{name}={as_text(value)}" for name, value in options.items())
+
+
+def _options(
+    methods: Sequence[str], given: Mapping[str, Mapping[str, Any]]
+) -> tuple[dict[str, Any], ...]:
+    """Return every method's options, checked."""
+    for name in given:
+        if name not in methods:
+            raise MeshdepictError(
+                f"options for {name!r}, which isn't compared (there are {', '.join(methods)})"
+            )
+    found = []
+    for name in methods:
+        function = find_method(name)
+        known = options_of(function)
+        sees = {"curvature": "view"} if "curvature" in known else {}
+        usual = sees | _PUBLISHED.get(name, {})
+        found.append(usual | check(function, given.get(name, {}), name))
+    return tuple(found)
+
+
+def _fitted(name: str, mesh: Mesh, up: str, size: tuple[int, int]) -> View:
+    return View.fitted(name, mesh, up=up, aspect=size[0] / size[1], height_px=size[1])

@@ -1,0 +1,1 @@
+"""Pictures, figures and movies of a shape, its colours and a view."""

@@ -1,0 +1,158 @@
+"""Drawing off screen: baked colours as they are, with clean edges, once or frame by frame."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from meshdepict.drawing.display import check_opengl
+
+if TYPE_CHECKING:
+    from meshdepict.baking.baked import Baked
+    from meshdepict.scene.view import View
+
+__all__ = ["Canvas", "canvas", "on_ground", "only_errors", "place", "unit_polydata"]
+
+Bytes = NDArray[np.uint8]
+
+# Samples of a picture up to which a pixel's side has three and two of them.
+_FINE, _COARSE = 40_000_000, 250_000_000
+_SIDE = 16384
+
+
+class Canvas:
+    """An off-screen window with one shape in it; see `canvas`."""
+
+    def __init__(self, baked: Baked, size: tuple[int, int], samples: int) -> None:
+        import pyvista as pv
+
+        self.shape = baked.shape
+        self._finer = min(samples, _samples(size))
+        self._poly = unit_polydata(baked)
+        width, height = size
+        self._window = pv.Plotter(
+            off_screen=True, window_size=[width * self._finer, height * self._finer]
+        )
+        check_opengl(self._window)
+        # Where each sample either hits or misses, coverage and colour average without a fringe.
+        self._window.disable_anti_aliasing()
+        self._window.set_background("black")
+        self._window.add_mesh(
+            self._poly, scalars="RGB", rgb=True, lighting=False, show_scalar_bar=False
+        )
+
+    def draw(self, view: View, colors: Bytes | None = None) -> Bytes:
+        """Draw the shape, with other colours where given.
+
+        Returns
+        -------
+        (height, width, 4) array of uint8
+            Colour times coverage, and coverage.
+        """
+        from PIL import Image
+
+        window = self._window
+        if colors is not None:
+            self._poly.point_data["RGB"][:] = colors
+            self._poly.point_data["RGB"].VTKObject.Modified()
+            self._poly.Modified()
+        place(window.camera, view, self.shape)
+        window.reset_camera_clipping_range()
+        window.render()
+        image = window.screenshot(return_img=True, transparent_background=True)
+        # As four independent channels: Pillow would divide those of an RGBA by the coverage.
+        height, width = image.shape[:2]
+        channels = np.ascontiguousarray(image)
+        four = Image.frombuffer("CMYK", (width, height), channels, "raw", "CMYK", 0, 1)
+        return np.asarray(four.reduce(self._finer))
+
+    def close(self) -> None:
+        """Free the window."""
+        self._window.close()
+
+
+@contextmanager
+def canvas(baked: Baked, size: tuple[int, int], *, samples: int = 3) -> Iterator[Canvas]:
+    """Give a canvas for a bake, and close it.
+
+    Parameters
+    ----------
+    baked : Baked
+    size : (int, int)
+        Width and height in pixels.
+    samples : int
+        Along a pixel's side; fewer where memory could not take them.
+    """
+    with only_errors():
+        made = Canvas(baked, size, samples)
+        try:
+            yield made
+        finally:
+            made.close()
+
+
+def on_ground(premultiplied: Any, ground: tuple[int, int, int] | None) -> Any:
+    """Lay colours times coverage, and coverage, (h, w, 4), on a ground.
+
+    Returns
+    -------
+    (h, w, 3) array of uint8; (h, w, 4) with plain colours where the ground is transparent
+    """
+    colors, coverage = premultiplied[..., :3], premultiplied[..., 3:]
+    if ground is not None:
+        # What of the ground shows through, by coverage; never more than colours leave of 255.
+        through = np.rint(np.outer(np.arange(255, -1, -1), ground) / 255).astype(np.uint8)
+        return colors + through[coverage[..., 0]]
+    edge = (coverage > 0) & (coverage < 255)
+    divided = np.minimum(colors * np.float32(255) / np.maximum(coverage, 1) + 0.5, 255)
+    plain = np.where(edge, divided, colors).astype(np.uint8)
+    return np.concatenate((plain, coverage), axis=2)
+
+
+def unit_polydata(baked: Baked) -> Any:
+    """Return a bake as ``pyvista.PolyData`` in its own diagonals, about the origin.
+
+    Graphics cards compute in single precision: far from the origin a picture would crumble.
+    """
+    poly = baked.to_pyvista()
+    poly.points = baked.shape.recentred(baked.shape.vertices)
+    return poly
+
+
+def place(camera: Any, view: View, shape: Any) -> None:
+    """Make a camera see `unit_polydata` as a view sees the shape."""
+    unit = shape.diagonal or 1.0
+    camera.position = tuple(shape.recentred(view.position))
+    camera.focal_point = tuple(shape.recentred(view.focus))
+    camera.up = tuple(view.up)
+    if view.parallel_scale is None:
+        camera.parallel_projection = False
+        camera.view_angle = view.field_of_view
+    else:
+        camera.parallel_projection = True
+        camera.parallel_scale = view.parallel_scale / unit
+
+
+def _samples(size: tuple[int, int]) -> int:
+    pixels, longest = size[0] * size[1], max(size)
+    for finer, most in ((3, _FINE), (2, _COARSE)):
+        if pixels * finer**2 <= most and longest * finer <= _SIDE:
+            return finer
+    return 1
+
+
+@contextmanager
+def only_errors() -> Iterator[None]:
+    """Keep VTK's warnings off stderr, such as that there is no X server: it goes on without one."""
+    from vtkmodules.vtkCommonCore import vtkLogger
+
+    before = vtkLogger.GetCurrentVerbosityCutoff()
+    vtkLogger.SetStderrVerbosity(vtkLogger.VERBOSITY_ERROR)
+    try:
+        yield
+    finally:
+        vtkLogger.SetStderrVerbosity(before)

@@ -1,0 +1,169 @@
+"""Where an object lies in its picture: fitted, or at a scale; still, or with room for a turn."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from meshdepict.drawing.figure import Figure, check_pixels
+from meshdepict.errors import MeshdepictError
+from meshdepict.scene.upright import UPS
+from meshdepict.scene.view import VIEWS, View
+
+__all__ = ["Framing", "check_scale", "frame"]
+
+_MARGIN = 1.05  # as `View.fitted`
+_USUAL = (1000, 1000)
+
+
+@dataclass(frozen=True)
+class Framing:
+    """Where an object lies in its picture.
+
+    Attributes
+    ----------
+    view : View
+        Of the part above the strip.
+    size : (int, int)
+        Of the whole picture, in pixels.
+    strip : int
+        Pixels at the bottom that are kept free for the scale bar.
+    pixels_per_unit : float or None
+        None in perspective, where there is no scale.
+    """
+
+    view: View
+    size: tuple[int, int]
+    strip: int = 0
+    pixels_per_unit: float | None = None
+
+    @property
+    def drawn(self) -> tuple[int, int]:
+        """Width and height of the part above the strip."""
+        return self.size[0], self.size[1] - self.strip
+
+
+_BAR_ROOM = 14  # width of a picture with a scale bar, in heights of letters
+
+
+def frame(view: View, shape: Any, figure: Figure, *, turning: bool = False) -> Framing:
+    """Place a shape in a figure.
+
+    A view given by name is fitted to the picture's proportions, with a margin of 5 %.
+
+    Parameters
+    ----------
+    view : View
+    shape : Mesh
+    figure : Figure
+    turning : bool
+        Leave room for a whole turn round the view's up axis; see `motion.turned`.
+
+    Raises
+    ------
+    MeshdepictError
+        Where the object doesn't fit at its scale, and for a scale in perspective.
+    """
+    check_scale(view, figure)
+    if figure.pixels_per_unit is None and not _is_fitted(view, shape):
+        size, scale = figure.pixels or _USUAL, view.parallel_scale
+        return Framing(view, size, 0, None if scale is None else size[1] / (2 * scale))
+    low, high = (_swept if turning else _seen)(view, shape)
+    extent = (high - low)[:2]
+    per_unit = figure.pixels_per_unit
+    if per_unit is None:
+        size = figure.pixels or _USUAL
+        strip = _strip(figure, size)
+        room = np.array((size[0], size[1] - strip))
+        extent = np.maximum(extent, 1e-9 * (shape.diagonal or 1.0))
+        per_unit = float((room / extent).min()) / _MARGIN
+    else:
+        size = figure.pixels or _grown(extent, figure)
+        strip = _strip(figure, size)
+        _check_room(extent, per_unit, (size[0], size[1] - strip))
+    return Framing(
+        _centred(view, shape, (low + high) / 2, size[1] - strip, per_unit), size, strip, per_unit
+    )
+
+
+def check_scale(view: Any, figure: Figure) -> None:
+    """Refuse a scale in perspective, where there is none."""
+    asked = "a fixed scale" if figure.pixels_per_unit else "a scale bar"
+    perspective = isinstance(view, View) and view.parallel_scale is None
+    if perspective and (figure.pixels_per_unit or figure.scale_bar):
+        raise MeshdepictError(
+            f"{asked} needs a parallel view: in perspective, what is near is larger; give the view "
+            "a parallel_scale"
+        )
+
+
+def _seen(view: View, shape: Any) -> tuple[Any, Any]:
+    """Return the corners of the box about a shape in the view's frame, from the shape's centre."""
+    seen = (shape.outline - shape._centre) @ view.frame.T
+    return seen.min(axis=0), seen.max(axis=0)
+
+
+def _swept(view: View, shape: Any) -> tuple[Any, Any]:
+    """Return the same for the space that the shape needs for a turn round the view's up axis."""
+    points = shape.outline - shape._centre
+    along = points @ view.up
+    radius = np.linalg.norm(points - along[:, None] * view.up, axis=1)
+    upright = float(view.up @ view.frame[1])  # the axis as the picture shows it
+    tilted = math.sqrt(max(1 - upright**2, 0))
+    widest = radius.max()
+    low = np.array((-widest, (along * upright - radius * tilted).min(), 0))
+    high = np.array((widest, (along * upright + radius * tilted).max(), 0))
+    return low, high
+
+
+def _centred(view: View, shape: Any, middle: Any, height: int, per_unit: float) -> View:
+    """Return the parallel view with the middle of a box in its middle, at a scale."""
+    upright = float(view.up @ view.frame[1])
+    # Up along the axis rather than the picture: then a turn round the focus is one round the axis.
+    middle = middle[0] * view.frame[0] + middle[1] / upright * view.up
+    focus = shape._centre + middle
+    scale = height / (2 * per_unit)
+    distance = 4 * max(scale, shape.diagonal)
+    return View(
+        focus + distance * view.towards_eye, focus, view.up,
+        height_px=height, parallel_scale=scale, name=view.name,
+    )  # fmt: skip
+
+
+def _grown(extent: Any, figure: Figure) -> tuple[int, int]:
+    """Return the size of a picture that an object decides, with room for margin and scale bar."""
+    per_unit = figure.pixels_per_unit or 1.0
+    width, height = (int(x) for x in np.minimum(np.ceil(extent * per_unit * _MARGIN) + 2, 1e9))
+    if figure.scale_bar:  # which has to fit beside its label, however small the object
+        width = max(width, _BAR_ROOM * figure.letters((width, height)))
+    size = width, height + (3 * figure.letters((width, height)) if figure.scale_bar else 0)
+    check_pixels(size, f" at {per_unit:g} pixels per unit")
+    return size
+
+
+def _check_room(extent: Any, per_unit: float, room: tuple[int, int]) -> None:
+    needed = np.ceil(extent * per_unit)
+    if (needed > room).any():
+        raise MeshdepictError(
+            f"at {per_unit:g} pixels per unit the object takes {needed[0]:.0f}x{needed[1]:.0f} "
+            f"pixels, more than the {room[0]}x{room[1]} there are for it: give fewer pixels per "
+            "unit, or a larger size or none"
+        )
+
+
+def _strip(figure: Figure, size: tuple[int, int]) -> int:
+    """Return the height that a scale bar takes; at most a third of the picture."""
+    return min(3 * figure.letters(size), size[1] // 3) if figure.scale_bar else 0
+
+
+def _is_fitted(view: View, shape: Any) -> bool:
+    """Whether a view was fitted to a shape by name."""
+    squares = (View.fitted(view.name, shape, up=up) for up in UPS if view.name in VIEWS)
+    return any(
+        np.array_equal(view.position, square.position)
+        and view.parallel_scale == square.parallel_scale
+        for square in squares
+    )

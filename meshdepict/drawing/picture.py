@@ -1,0 +1,138 @@
+"""Pictures of a bake: the baked colours as they are, no lighting on top, in the bake's view."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from meshdepict.drawing.canvas import canvas, on_ground, place, unit_polydata
+from meshdepict.drawing.figure import Figure
+from meshdepict.drawing.framing import Framing, frame
+from meshdepict.drawing.scale_bar import draw_scale_bar
+from meshdepict.errors import MeshdepictError
+
+if TYPE_CHECKING:
+    from meshdepict.baking.baked import Baked
+
+__all__ = [
+    "check_picture",
+    "finished",
+    "plot",
+    "read_picture_provenance",
+    "save_image",
+    "save_picture",
+    "write_picture",
+]
+
+_MARK = "meshdepict "  # how the keywords of this program's texts in a PNG begin
+
+
+def plot(baked: Baked, **plotter: Any) -> Any:
+    """Return a ``pyvista.Plotter`` that shows the bake; keywords go to the plotter."""
+    import pyvista as pv
+
+    window = pv.Plotter(**plotter)
+    window.set_background("white")
+    window.add_mesh(
+        unit_polydata(baked), scalars="RGB", rgb=True, lighting=False, show_scalar_bar=False
+    )
+    width, height = window.window_size
+    framing = frame(baked.view, baked.shape, Figure(size=(width, height)))
+    place(window.camera, framing.view, baked.shape)
+    window.reset_camera_clipping_range()
+    return window
+
+
+def save_picture(
+    baked: Baked, path: str | Path, figure: Figure | None = None, **layout: Any
+) -> Path:
+    """Render a PNG off screen and put it in place once it is complete.
+
+    The figure may also be given in words, those of `Figure`: ``size="12x9cm", dpi=300``.
+
+    The bake's provenance goes into the file, from where `read_picture_provenance` returns it, and
+    so do the dots per inch where the figure has them.
+
+    Raises
+    ------
+    MeshdepictError
+        As `check_picture` and `frame`, and where the file can't be written.
+    """
+    path, figure = Path(path), figure or Figure(**layout)
+    check_picture(path)
+    framing = frame(baked.view, baked.shape, figure)
+    with canvas(baked, framing.drawn) as drawing:
+        image = finished(drawing.draw(framing.view), framing, figure)
+    return write_picture(image, path, baked.provenance, figure.dpi)
+
+
+def save_image(baked: Baked, path: str | Path, *, background: str = "white") -> Path:
+    """Write the pixels of a baked image as a PNG, just as they are.
+
+    Raises
+    ------
+    MeshdepictError
+        As `check_picture`, for an unknown background, and where the file can't be written.
+    """
+    from PIL import Image
+
+    check_picture(path)
+    ground = Figure(background=background).ground
+    covered = np.column_stack((baked.colors, np.full(len(baked.colors), 255, np.uint8)))
+    pixels = on_ground(baked.shape.image(covered), ground)
+    return write_picture(Image.fromarray(pixels), path, baked.provenance)
+
+
+def write_picture(
+    image: Any, path: str | Path, facts: Mapping[str, str], dpi: float | None = None
+) -> Path:
+    """Write a ``PIL.Image`` as a PNG with facts about it, from where they can be read back.
+
+    Raises
+    ------
+    OSError
+        Where the file can't be written; an earlier one is left as it was.
+    """
+    from PIL.PngImagePlugin import PngInfo
+
+    from meshdepict.files.atomic import atomic_write
+
+    texts = PngInfo()
+    for key, text in facts.items():
+        texts.add_text(_MARK + key, text)
+    with atomic_write(Path(path)) as stream:
+        image.save(stream, format="PNG", pnginfo=texts, **({"dpi": (dpi, dpi)} if dpi else {}))
+    return Path(path)
+
+
+def finished(drawn: Any, framing: Framing, figure: Figure) -> Any:
+    """Return what a canvas drew as a ``PIL.Image`` on its ground, with the scale bar."""
+    from PIL import Image
+
+    if framing.strip:
+        drawn = np.pad(drawn, ((0, framing.strip), (0, 0), (0, 0)))
+    image = Image.fromarray(on_ground(drawn, figure.ground))
+    if figure.scale_bar:
+        draw_scale_bar(image, framing, figure)
+    return image
+
+
+def check_picture(path: str | Path) -> None:
+    """Refuse a name that doesn't end in .png, before any work is done."""
+    if Path(path).suffix.lower() != ".png":
+        raise MeshdepictError(f"{path}: pictures are written as PNG; end the name with .png")
+
+
+def read_picture_provenance(path: str | Path) -> list[str] | None:
+    """Return the lines that this program wrote into a PNG, None where there are none."""
+    from PIL import Image
+
+    try:
+        with Image.open(path) as image:
+            texts = getattr(image, "text", {})
+    except (OSError, SyntaxError, ValueError, Image.DecompressionBombError):
+        return None  # whatever it is, this program didn't write it
+    return [f"{key}: {text}" for key, text in texts.items() if key.startswith(_MARK)] or None

@@ -1,0 +1,121 @@
+"""Pictures of volumes: shaded voxels, or VTK's own shading beside them, without a display."""
+
+from __future__ import annotations
+
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from meshdepict.drawing.canvas import only_errors, place
+from meshdepict.drawing.display import check_opengl
+from meshdepict.drawing.figure import Figure
+from meshdepict.drawing.framing import Framing, frame
+from meshdepict.drawing.picture import check_picture, finished
+from meshdepict.drawing.shader import caught_errors
+from meshdepict.drawing.volume_scene import add_baked, add_plain, add_rgba
+from meshdepict.errors import MeshdepictError
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from meshdepict.baking.volumes import BakedVolume
+
+__all__ = ["draw_volume", "save_volume_picture"]
+
+
+def draw_volume(
+    baked: BakedVolume,
+    figure: Figure | None = None,
+    *,
+    plain: bool = False,
+    planes: Sequence[Any] = (),
+) -> Any:
+    """Return a ``PIL.Image`` of a bake in its view.
+
+    Parameters
+    ----------
+    baked : BakedVolume
+    figure : Figure, optional
+        1000 x 1000 pixels on white unless given.
+    plain : bool
+        Draw the CT numbers with VTK's own shading instead, through the same transfer function.
+    planes : sequence of vtkPlane
+        Show what is on their positive sides, in the volume's diagonals about its centre.
+
+    Raises
+    ------
+    MeshdepictError
+        As `frame`, and for a plain picture of a bake without a transfer function.
+    """
+    figure = figure or Figure()
+    framing = frame(baked.view, baked.shape, figure)
+    if plain:
+        transfer = baked.transfer
+        if transfer is None:
+            raise MeshdepictError(
+                "a plain picture of a volume needs a transfer function, and this bake has none: "
+                "bake the volume with transfer='bone' or another"
+            )
+
+        def before(window: Any) -> Any:
+            return add_plain(window, baked.shape, transfer)
+
+        drawn = _drawn(before, baked, framing, planes)
+    else:
+        try:
+            with caught_errors("the volume"):
+                drawn = _drawn(partial(add_baked, baked=baked), baked, framing, planes)
+        except MeshdepictError:  # no such shaders here: colours of voxels, interpolated
+            drawn = _drawn(partial(add_rgba, baked=baked), baked, framing, planes)
+    return finished(drawn, framing, figure)
+
+
+def save_volume_picture(
+    baked: BakedVolume,
+    path: str | Path,
+    figure: Figure | None = None,
+    *,
+    plain: bool = False,
+    planes: Sequence[Any] = (),
+) -> Path:
+    """Write `draw_volume` as a PNG, with the bake's provenance in it.
+
+    Raises
+    ------
+    MeshdepictError
+        As `draw_volume`, for another suffix, and where the file can't be written.
+    """
+    from meshdepict.drawing.picture import write_picture
+
+    check_picture(path)
+    figure = figure or Figure()
+    image = draw_volume(baked, figure, plain=plain, planes=planes)
+    facts = baked.provenance | ({"method": "plain volume rendering"} if plain else {})
+    return write_picture(image, Path(path), facts, figure.dpi)
+
+
+def _drawn(
+    add: Callable[[Any], Any], baked: BakedVolume, framing: Framing, planes: Sequence[Any]
+) -> NDArray[np.uint8]:
+    """Draw what is added to a window, in a view: colour times coverage, and coverage."""
+    import pyvista as pv
+
+    with only_errors():
+        window = pv.Plotter(off_screen=True, window_size=list(framing.drawn))
+        check_opengl(window)
+        try:
+            window.disable_anti_aliasing()
+            window.set_background("black")
+            mapper = add(window).GetMapper()
+            for plane in planes:
+                mapper.AddClippingPlane(plane)
+            place(window.camera, framing.view, baked.shape)
+            window.reset_camera_clipping_range()
+            window.render()
+            image = window.screenshot(return_img=True, transparent_background=True)
+        finally:
+            window.close()
+    return np.asarray(image)

@@ -1,0 +1,1 @@
+"""Files: bytes that come in and go out, whatever is in them."""

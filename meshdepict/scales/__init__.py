@@ -1,0 +1,1 @@
+"""Normals of a shape at several widths."""

@@ -1,0 +1,291 @@
+"""The scale space of a grid: gradients of the Gaussian-filtered values at the voxels shown (ES §4).
+
+Normals are −∇f/‖∇f‖: outwards from what is dense. Scale 0 is the central difference, as in VTK.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from meshdepict.errors import MeshdepictError
+from meshdepict.scales.ladder import Progress, reporter
+from meshdepict.scales.space import ScaleSpace
+from meshdepict.voxels.grid_normals import (
+    Scattered,
+    completed,
+    gradients_to_world,
+    in_voxels,
+    least_gradient,
+)
+from meshdepict.voxels.grid_samples import Samples, shaded_voxels
+from meshdepict.voxels.grid_sums import GRADIENT, GridSums, Piece
+
+if TYPE_CHECKING:
+    from meshdepict.color.transfer_function import TransferFunction
+    from meshdepict.curvature.principal import PrincipalCurvatures
+    from meshdepict.shapes.volume import Volume
+
+__all__ = [
+    "MEMORY",
+    "GridSpace",
+    "grid_space",
+    "piece_space",
+    "sample_bytes",
+    "space_of_mask",
+]
+
+MEMORY = 2e9
+"""Bytes that the normals of a grid may take unless more is allowed."""
+
+_PART = 1 << 20  # points to be placed at a time
+
+_MEAN = 0.1  # tolerance of averages: Gaussians cut off at 1e-4 of their height
+
+
+class GridSpace(ScaleSpace):
+    """Samples at the voxels of a volume that are shown, or beside such, and have a gradient.
+
+    Renderers interpolate between voxels: at the border of what is shown half of the colour is that
+    of voxels without opacity, which would draw black seams if they were not shaded, too.
+
+    Attributes
+    ----------
+    shape : Volume
+    voxels : (n,) array of int64
+        Where each sample is in ``shape.values.ravel()``.
+    gradient : (n,) array of float64
+        ‖∇f‖ at scale 0, in values per world unit.
+    flat : Samples
+        More such voxels, without a gradient at any scale, and so without a normal.
+    transfer : TransferFunction or None
+        What decides which voxels are shown.
+    """
+
+    shape: Volume
+
+    def __init__(
+        self,
+        shape: Volume,
+        piece: Piece,
+        sums: GridSums,
+        flat: Samples,
+        gradient: NDArray[np.float64],
+        widths: NDArray[np.float64],
+        ratio: float,
+        planes: NDArray[np.float32],
+        *,
+        transfer: TransferFunction | None,
+        tolerance: float,
+    ) -> None:
+        points = sums.samples.indices().astype(np.float64)
+        for part in np.array_split(points, len(points) // _PART + 1):
+            part[:] = shape.to_world(part)
+        super().__init__(shape, points, widths, ratio, planes, facing=0, tolerance=tolerance)
+        self.flat, self.gradient, self.transfer = flat, gradient, transfer
+        self._sums, self._samples, self._piece = sums, sums.samples, piece
+
+    @cached_property
+    def voxels(self) -> NDArray[np.int64]:
+        """Where each sample is in the flat array of values."""
+        return self._samples.flat(self._piece.shape)
+
+    @property
+    def shaded_share(self) -> float:
+        """Samples over all voxels of the volume."""
+        return len(self.points) / self.shape.n_samples
+
+    @cached_property
+    def base_color(self) -> NDArray[np.float32]:
+        """Linear colour (n, 3) that the transfer function gives each sample; white without one."""
+        return self._color(self._samples)
+
+    @cached_property
+    def alpha(self) -> NDArray[np.uint8]:
+        """Opacity of each sample (n,), 255 without a transfer function; 0 only beside the shown."""
+        return self._opacity(self._samples, self.gradient)
+
+    def _color(self, samples: Samples) -> NDArray[np.float32]:
+        from meshdepict.color.encoding import srgb_to_linear
+
+        if self.transfer is None:
+            return np.ones((len(samples), 3), np.float32)
+        return srgb_to_linear(self.transfer.color(self._piece.at(samples)))
+
+    def _opacity(self, samples: Samples, gradient: NDArray[Any]) -> NDArray[np.uint8]:
+        from meshdepict.color.encoding import quantise
+
+        if self.transfer is None:
+            return np.full(len(samples), 255, np.uint8)
+        opacity = self.transfer.opacity(self._piece.at(samples), gradient)
+        return np.maximum(quantise(opacity), opacity > 0)
+
+    # --- what grids do in their own way -----------------------------------------------------
+
+    def mean(self, values: NDArray[Any], width: float) -> NDArray[np.float64]:
+        """Return ``Σ_j G(x_i − x_j) c_j / Σ_j G(x_i − x_j)`` over the samples j."""
+        samples, shape = self._samples, self._piece.shape
+        widths = in_voxels(width, self.shape)
+        sums = np.empty((2, 1, len(samples)), np.float32)
+        for out, weights in zip(sums, (np.ones(len(samples)), values), strict=True):
+            grid = GridSums(Scattered(samples, weights, shape), samples, _MEAN)
+            grid.derivatives(widths, ((0, 0, 0),), out)
+        mass, total = sums[:, 0].astype(np.float64)
+        some = mass > 0
+        return np.where(some, total / np.where(some, mass, 1), values)
+
+    def _principal(self, scale: int) -> PrincipalCurvatures:
+        from meshdepict.curvature.grid import HESSIAN, isosurface_curvatures
+
+        spacing = self.shape.spacing
+        found = np.empty((9, len(self.points)), np.float32)
+        widths = in_voxels(float(self.widths[scale]), self.shape)
+        self._sums.derivatives(widths, (*GRADIENT, *HESSIAN), found)
+        floor = least_gradient(float(self.widths[scale]), self.shape)
+        return isosurface_curvatures(
+            found, self._planes[scale], gradients_to_world(self.shape), floor, float(spacing.min())
+        )
+
+    def _turns(self, scale: int) -> NDArray[np.float32]:
+        from meshdepict.curvature.grid import grid_neighbour_cosines
+
+        return grid_neighbour_cosines(self._samples, self._planes[scale])
+
+
+def grid_space(
+    volume: Volume,
+    widths: NDArray[np.float64],
+    ratio: float,
+    *,
+    where: NDArray[np.bool_] | None = None,
+    transfer: TransferFunction | None = None,
+    tolerance: float = 1e-4,
+    memory: float = MEMORY,
+    progress: Progress | None = None,
+) -> GridSpace:
+    """Return normals at every width at the voxels of a volume that are shown, and beside them.
+
+    Parameters
+    ----------
+    volume : Volume
+    widths : (scales + 1,) array
+        Of the Gaussians, in world units, the first 0.
+    ratio : float
+    where : (nz, ny, nx) array of bool, optional
+        Voxels to be shaded; all others are left out.
+    transfer : TransferFunction, optional
+        In the volume's unit: voxels without opacity, and not beside one with, are left out.
+    tolerance : float
+        Largest angular error of a normal in radians, wherever the values change by 1e-3 of their
+        range or more within one width.
+    memory : float
+        Bytes that the normals may take.
+    progress : callable, optional
+        ``progress(done, total)``.
+
+    Raises
+    ------
+    MeshdepictError
+        Where nothing is shown or nothing shown has a gradient, for normals that take more memory
+        than allowed, and for `where` of another shape.
+    """
+    return space_of_mask(
+        volume, shaded_voxels(volume, where, transfer), widths, ratio,
+        transfer=transfer, tolerance=tolerance, memory=memory, progress=progress,
+    )  # fmt: skip
+
+
+def space_of_mask(
+    volume: Volume,
+    mask: NDArray[np.bool_],
+    widths: NDArray[np.float64],
+    ratio: float,
+    *,
+    transfer: TransferFunction | None,
+    tolerance: float,
+    memory: float,
+    progress: Progress | None,
+) -> GridSpace:
+    """Return the scale space of the voxels of a mask; see `grid_space`."""
+    samples = Samples.of_mask(mask)
+    if not len(samples):
+        raise MeshdepictError(
+            "no voxel of the volume is shown: lower the values where the opacity begins, "
+            f"{volume.range[0]:g} to {volume.range[1]:g} is what there is"
+        )
+    needed = len(samples) * sample_bytes(len(widths))
+    if needed > memory:
+        raise MeshdepictError(
+            f"the normals of {len(samples):,} voxels at {len(widths) - 1} scales take "
+            f"{needed / 1e9:.2g} GB, more than the {memory / 1e9:.2g} GB allowed: show fewer "
+            "voxels by a transfer function, allow more with memory=, or let bake_volume go slab by "
+            "slab"
+        )
+    shape = volume.values.shape
+    piece = Piece(volume.values, (0, 0, 0), (shape[0], shape[1], shape[2]), volume.range)
+    space = piece_space(
+        volume, piece, samples, widths, ratio,
+        transfer=transfer, tolerance=tolerance, progress=progress,
+    )  # fmt: skip
+    if not len(space.points):
+        raise MeshdepictError("the voxels shown are all alike, so that there is nothing to shade")
+    return space
+
+
+def sample_bytes(count: int) -> int:
+    """Return the bytes that a voxel's normals at `count` scales take, with its place."""
+    return 12 * count + 40
+
+
+def piece_space(
+    shape: Volume,
+    piece: Piece,
+    samples: Samples,
+    widths: NDArray[np.float64],
+    ratio: float,
+    *,
+    transfer: TransferFunction | None,
+    tolerance: float,
+    progress: Progress | None = None,
+) -> GridSpace:
+    """Return the scale space of chosen voxels, of which a piece of the volume is at hand.
+
+    It has no samples where none of them is left by the gradient opacity, or has a gradient.
+    """
+    from meshdepict.voxels.gaussian_gradient import normalise
+
+    spacing, matrix = shape.spacing, gradients_to_world(shape)
+    sums = GridSums(piece, samples, tolerance)
+    own, gradient = np.empty((3, len(samples)), np.float32), np.empty(len(samples))
+    if len(samples):
+        sums.derivatives(np.zeros(3), GRADIENT, own)
+        normalise(own, matrix, least_gradient(0, shape), None, gradient)
+        with np.errstate(over="ignore"):
+            gradient *= piece.half_range / float(spacing.min())
+        np.minimum(gradient, np.finfo(np.float64).max, out=gradient)
+    if transfer is not None and transfer.gradient_opacity is not None:
+        keep = samples.beside(transfer.opacity(piece.at(samples), gradient) > 0)
+        samples, own, gradient = samples.kept(keep), own[:, keep], gradient[keep]
+        sums = GridSums(piece, samples, tolerance)
+    scales = len(widths) - 1
+    planes = np.empty((scales + 1, 3, len(samples)), np.float32)
+    planes[0] = own
+    del own
+    for scale in range(1, scales + 1) if len(samples) else ():
+        done: Callable[[float], None] | None = reporter(progress, scale, scales)
+        sums.derivatives(in_voxels(widths[scale], shape), GRADIENT, planes[scale], done)
+        floor = least_gradient(float(widths[scale]), shape)
+        normalise(planes[scale], matrix, floor, planes[scale - 1])
+    planes, bent = completed(planes)
+    flat = samples.kept(~bent)
+    if len(flat):
+        gradient = gradient[bent]
+        sums = GridSums(piece, samples.kept(bent), tolerance)
+    return GridSpace(
+        shape, piece, sums, flat, gradient, widths, float(ratio), planes,
+        transfer=transfer, tolerance=tolerance,
+    )  # fmt: skip

@@ -1,0 +1,91 @@
+"""The scale space of a mesh: Gaussian sums over its vertices, curvature from its triangles."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from meshdepict.scales.ladder import Progress, reporter
+from meshdepict.scales.smoothing import NormalSums
+from meshdepict.scales.space import ScaleSpace
+from meshdepict.shapes.mesh import Mesh
+
+if TYPE_CHECKING:
+    from meshdepict.curvature.principal import PrincipalCurvatures
+    from meshdepict.transport.occlusion import Openness
+
+__all__ = ["MeshSpace", "mesh_space"]
+
+# Of a mean value, relative: at unsharp masking's default amount less than half a grey level.
+_ERROR = 1e-3
+
+
+class MeshSpace(ScaleSpace):
+    """Samples at the vertices of a mesh."""
+
+    shape: Mesh
+
+    @property
+    def unit_points(self) -> NDArray[np.float64]:
+        """(n, 3) vertices moved to the origin and scaled to a diagonal of one."""
+        return self.shape._unit_points
+
+    @property
+    def surface(self) -> Mesh:
+        """The mesh itself."""
+        return self.shape
+
+    def mean(self, values: NDArray[Any], width: float) -> NDArray[np.float64]:
+        """Return ``Σ_j A_j G(x_i − x_j) c_j / Σ_j A_j G(x_i − x_j)``, A mixed Voronoi areas.
+
+        A vertex with no area in reach keeps its value.
+        """
+        from meshdepict.sums.gaussian import gaussian_sums
+
+        mass = self.shape._unit_areas / (self.shape._unit_areas.max() or 1.0)
+        scaled = max(width / (self.shape.diagonal or 1.0), 1e-18)
+        channels = np.stack([mass, mass * values])
+        sums = gaussian_sums(self.unit_points, channels, scaled, error=_ERROR)
+        some = sums[0] > 0
+        return np.where(some, sums[1] / np.where(some, sums[0], 1), values)
+
+    def _principal(self, scale: int) -> PrincipalCurvatures:
+        from meshdepict.curvature.principal import principal_curvatures
+
+        return principal_curvatures(self.shape, normals=self.normals[scale])
+
+    def _turns(self, scale: int) -> NDArray[np.float32]:
+        from meshdepict.curvature.creases import neighbour_cosines
+
+        return neighbour_cosines(self.shape, self.normals[scale])
+
+    def _open(self, rays: int) -> Openness:
+        from meshdepict.transport.occlusion import ambient_openness
+
+        return ambient_openness(self.shape, rays=rays)
+
+
+def mesh_space(
+    mesh: Mesh,
+    widths: NDArray[np.float64],
+    ratio: float,
+    *,
+    facing: int,
+    tolerance: float,
+    progress: Progress | None = None,
+) -> MeshSpace:
+    """Return the normals of a mesh at every width; see `scale_space`."""
+    scales = len(widths) - 1
+    planes = np.empty((scales + 1, 3, len(mesh.vertices)), np.float32)
+    planes[0] = mesh.normals.T
+    sums = NormalSums(mesh, facing, tolerance) if scales else None
+    reference: NDArray[Any] = mesh.normals.T
+    for scale in range(1, scales + 1):
+        assert sums is not None
+        reference = sums.direction(widths[scale], reference, reporter(progress, scale, scales))
+        planes[scale] = reference
+    return MeshSpace(
+        mesh, mesh.vertices, widths, float(ratio), planes, facing=facing, tolerance=tolerance
+    )

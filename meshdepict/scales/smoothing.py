@@ -1,0 +1,83 @@
+"""Smoothing of a mesh's normals: Gaussian sums weighted by area and facing, their directions."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    from meshdepict.shapes.mesh import Mesh
+
+__all__ = ["NormalSums"]
+
+# An angle is as accurate as the sums are small against the resultant ‖m‖: METHODS' rule says that
+# below this share of the mass the tolerance no longer binds …
+_LEAST_RESULTANT = 1e-3
+# … and that below this one the direction is meaningless and the next finer normal is kept.
+_NO_RESULTANT = 1e-6
+
+_SYMMETRIC = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
+
+
+class NormalSums:
+    """Area-weighted Gaussian sums of a mesh's normals, and the directions they point in."""
+
+    def __init__(self, mesh: Mesh, facing: int, tolerance: float) -> None:
+        self.points = mesh._unit_points
+        self.unit = mesh.diagonal or 1.0
+        self.facing = facing
+        self.tolerance = tolerance
+        areas = mesh._unit_areas / (mesh._unit_areas.max() or 1.0)
+        n = mesh.normals.T
+        mass = [areas]
+        first = list(areas * n)
+        # F is linear in r·n_j: facing needs the second moments Σ A G n nᵀ and nothing else.
+        second = [areas * n[a] * n[b] for a, b in _SYMMETRIC] if facing else []
+        self.channels = np.array(mass + first + second)
+
+    def direction(
+        self, width: float, reference: NDArray[Any], done: Callable[[float], None] | None
+    ) -> NDArray[np.float64]:
+        """Return the (3, n) unit normals at one width; ``reference`` are the next finer ones."""
+        from meshdepict.sums.gaussian import gaussian_sums
+
+        # A first pass for resultants that are a fair share of the mass …
+        error = self.tolerance / 4
+        # Narrower than any two distinct positions can be apart, a Gaussian is a single point.
+        scaled = max(width / self.unit, 1e-18)
+        sums = gaussian_sums(self.points, self.channels, scaled, error=error, done=done)
+        vector, mass = self._resultant(sums, reference)
+        length = np.linalg.norm(vector, axis=0)
+        # … and a second for those that cancel: there the sums must be that much finer.
+        some = mass > 0  # nowhere else is there a direction, or an error
+        share = np.maximum(length, _LEAST_RESULTANT * mass) / np.where(some, mass, 1.0)
+        weak = some & (error > self.tolerance * share)
+        if weak.any():
+            finer = float(self.tolerance * share[weak].min())
+            again = gaussian_sums(
+                self.points, self.channels, scaled,
+                error=finer, targets=weak, heaviest=float(sums[0].max()),
+            )  # fmt: skip
+            vector = vector.astype(np.float64)
+            v, mass[weak] = self._resultant(again[:, weak], reference[:, weak])
+            vector[:, weak] = v
+            length = np.linalg.norm(vector, axis=0)
+        firm = length > _NO_RESULTANT * mass
+        return np.where(firm, vector / np.where(firm, length, 1.0), reference)
+
+    def _resultant(
+        self, sums: NDArray[Any], reference: NDArray[Any]
+    ) -> tuple[NDArray[Any], NDArray[Any]]:
+        """Return m = Σ A F G n (3, n) and its mass Σ A F G (n,)."""
+        mass, m1 = sums[0], sums[1:4]
+        if not self.facing:
+            return m1.copy(), mass.copy()
+        vector = m1.copy()
+        for row, (a, b) in zip(sums[4:], _SYMMETRIC, strict=True):
+            vector[a] += row * reference[b]
+            if a != b:
+                vector[b] += row * reference[a]
+        return vector / 2, (mass + np.einsum("ij,ij->j", m1, reference)) / 2

@@ -1,0 +1,283 @@
+"""Scale space: the normals of a shape smoothed by Gaussians of growing width.
+
+The only step that knows what kind of shape it has. Everything after it works on samples.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from meshdepict.errors import MeshdepictError
+from meshdepict.scales.ladder import Progress, check_ladder, ladder, resolve_width
+
+if TYPE_CHECKING:
+    from meshdepict.curvature.principal import PrincipalCurvatures
+    from meshdepict.curvature.view import ViewCurvature
+    from meshdepict.scene.view import View
+    from meshdepict.shapes.mesh import Mesh
+    from meshdepict.transport.occlusion import Openness
+
+__all__ = ["ScaleSpace", "scale_space", "smooth_normals"]
+
+
+class ScaleSpace:
+    """Positions and unit normals of samples at every scale, from fine to coarse.
+
+    Made by `scale_space`. Shading functions take it and ask for nothing else. Each kind of shape
+    has a class of its own (`MeshSpace`, `GridSpace`, `ImageSpace`) that says how its normals bend
+    (`_principal`, `_turns`), what rays can meet (`surface`) and how values are averaged (`mean`).
+
+    Attributes
+    ----------
+    shape : Mesh, Volume or GBuffer
+        What was sampled.
+    points : (n, 3) array of float64
+        World positions of the samples.
+    ratio : float
+        From one width to the next.
+    widths : (scales + 1,) array of float64
+        Gaussian widths in world units; ``widths[0]`` is 0, the shape's own normals.
+    normals : (scales + 1, n, 3) array of float32
+        Unit normals, fine to coarse.
+    facing, tolerance
+        What the sums were made with; see `scale_space`.
+    """
+
+    def __init__(
+        self,
+        shape: Any,
+        points: NDArray[np.float64],
+        widths: NDArray[np.float64],
+        ratio: float,
+        planes: NDArray[np.float32],
+        *,
+        facing: int = 1,
+        tolerance: float = 1e-4,
+    ) -> None:
+        self.shape = shape
+        self.points = points
+        self.widths = widths
+        self.ratio = ratio
+        self.facing = facing
+        self.tolerance = tolerance
+        # Stored as (scale, axis, sample), so that kernels read each component in one sweep.
+        self._planes = planes
+        self._planes.setflags(write=False)
+        self._curvatures: dict[int, PrincipalCurvatures] = {}
+        self._creases: dict[int, NDArray[np.float32]] = {}
+        self._seen: dict[tuple[int, float], tuple[tuple[Any, ...], ViewCurvature]] = {}
+        self._openness: dict[int, Openness] = {}
+
+    @property
+    def normals(self) -> NDArray[np.float32]:
+        """Unit normals (scales + 1, n, 3), a read-only view."""
+        return np.moveaxis(self._planes, 1, 2)
+
+    @property
+    def finest_width(self) -> float:
+        """σ_0 = σ_1 / ratio: what formulas that need a width for the unsmoothed scale take."""
+        return float(self.widths[1]) / self.ratio if len(self.widths) > 1 else 0.0
+
+    def curvature(self, scale: int = 0) -> PrincipalCurvatures:
+        """Return the principal curvatures of a scale: how its normals turn; computed once.
+
+        Raises
+        ------
+        MeshdepictError
+            For a scale that isn't there.
+        """
+        scale = self._checked_scale(scale)
+        if scale not in self._curvatures:
+            self._curvatures[scale] = self._principal(scale)
+        return self._curvatures[scale]
+
+    def view_curvature(
+        self, view: View | str, scale: int = 1, *, foreshortening: float = 1.0
+    ) -> ViewCurvature:
+        """Return the curvature of a scale as an eye sees it; see `curvature.view_curvature`.
+
+        The last view's is kept for every scale and foreshortening. Its arrays are read-only.
+        """
+        from meshdepict.curvature.view import view_tensor
+        from meshdepict.scene.view import as_view
+
+        scale = self._checked_scale(scale)
+        eye = as_view(view, self.shape)
+        sight = (
+            *eye.position, *eye.focus, *eye.up,
+            eye.height_px, eye.field_of_view, eye.parallel_scale,
+        )  # fmt: skip
+        former, seen = self._seen.get((scale, foreshortening), (None, None))
+        if seen is not None and former == sight:
+            return seen
+        normals = self.normals[scale]
+        if scale not in self._creases:
+            self._creases[scale] = self._turns(scale)
+        seen = view_tensor(
+            self.points, normals, self.curvature(scale), self._creases[scale], eye,
+            foreshortening=foreshortening,
+        )  # fmt: skip
+        for array in seen:
+            array.setflags(write=False)
+        self._seen[scale, foreshortening] = sight, seen
+        return seen
+
+    def _checked_scale(self, scale: int) -> int:
+        last = len(self.widths) - 1
+        if isinstance(scale, bool) or scale not in range(last + 1):
+            raise MeshdepictError(
+                f"scale={scale!r} is not one of the scale space's, 0 to {last}; make more with "
+                "scales=…"
+            )
+        return int(scale)
+
+    def occlusion(self, rays: int = 256) -> NDArray[np.float32]:
+        """Return the share of the light from all around that reaches each sample; computed once.
+
+        (n,) in [0, 1], 1 where nothing is in the way; `occlusion.ambient_openness` says more.
+
+        Raises
+        ------
+        MeshdepictError
+            For a number of rays beyond 2 … 65536.
+        """
+        if rays not in self._openness:
+            self._openness[rays] = self._open(rays)
+            self._openness[rays].values.setflags(write=False)
+        return self._openness[rays].values
+
+    @property
+    def occlusion_errors(self) -> dict[int, float]:
+        """Root mean square error of the occlusion computed so far, by the number of rays."""
+        return {rays: openness.error for rays, openness in self._openness.items()}
+
+    # --- what depends on the kind of shape --------------------------------------------------
+
+    @property
+    def unit_points(self) -> NDArray[np.float64]:
+        """(n, 3) positions moved to the shape's centre, in diagonals of the shape."""
+        return (self.points - self.shape._centre) / (self.shape.diagonal or 1.0)
+
+    @property
+    def surface(self) -> Mesh:
+        """The surface that rays from the samples can meet.
+
+        Raises
+        ------
+        MeshdepictError
+            Where the shape is none.
+        """
+        raise MeshdepictError(
+            f"rays need a surface to meet, and a {self.shape.kind} is none: use another method, or "
+            "shade a mesh"
+        )
+
+    def mean(self, values: NDArray[Any], width: float) -> NDArray[np.float64]:
+        """Return values (n,) averaged over the samples around under a Gaussian of a world width."""
+        raise MeshdepictError(f"values can't be averaged over a {self.shape.kind}")
+
+    def _principal(self, scale: int) -> PrincipalCurvatures:
+        raise MeshdepictError(f"a {self.shape.kind} has no curvature")
+
+    def _turns(self, scale: int) -> NDArray[np.float32]:
+        """Return the least cosine between a sample's normal and its neighbours': (n,)."""
+        raise MeshdepictError(f"a {self.shape.kind} has no creases")
+
+    def _open(self, rays: int) -> Openness:
+        from meshdepict.transport.occlusion import ambient_openness
+
+        return ambient_openness(self.surface, at=(self.points, self.normals[0]), rays=rays)
+
+    def __repr__(self) -> str:
+        """Return the number of samples and the range of widths."""
+        count = len(self.widths) - 1
+        widths = f", widths {self.widths[1]:.4g} … {self.widths[-1]:.4g}" if count else ""
+        return f"<ScaleSpace: {len(self.points):,} samples, {count} scales{widths}>"
+
+
+def scale_space(
+    shape: Any,
+    *,
+    scales: int = 9,
+    width: float | str | None = None,
+    ratio: float = math.sqrt(2),
+    facing: int = 1,
+    tolerance: float = 1e-4,
+    progress: Progress | None = None,
+) -> ScaleSpace:
+    """Smooth the normals of a shape at a geometric series of widths (Exaggerated Shading, §3).
+
+    For vertex i with mixed Voronoi areas A and normals n the smoothed normal is the direction of
+    ``Σ_j A_j F(r_i·n_j) exp(−‖x_i − x_j‖² / 2σ²) n_j``, r_i being the next finer scale's normal.
+
+    Parameters
+    ----------
+    shape : Mesh, Volume or GBuffer
+        Of a volume see `grid_space`, of an image `image_space`, which have more to choose.
+    scales : int
+        Number of smoothed sets, ≥ 0; the original normals come before them.
+    width : float or str, optional
+        First width σ_1 in world units, or "0.2%" of the bounding box's diagonal.
+        Default: the median edge length.
+    ratio : float
+        From one width to the next, > 1; √2 in Exaggerated Shading, 1.7 in Local Light Alignment.
+    facing : {0, 1}
+        Of meshes. 1: F(u) = (1 + u)/2, which keeps the two sides of a thin sheet apart.
+        0: F = 1, the paper's formula to the letter.
+    tolerance : float
+        Largest angular error of a normal in radians, 1e-7 … 0.1. Images have their own; see
+        `bilateral`.
+    progress : callable, optional
+        ``progress(done, total)``, called as the work goes on.
+
+    Returns
+    -------
+    ScaleSpace
+
+    Raises
+    ------
+    MeshdepictError
+        For a parameter out of its range.
+    """
+    check_ladder(scales, ratio, facing, tolerance)
+    kind = getattr(shape, "kind", None)
+    if kind == "image":
+        from meshdepict.scales.image_scales import image_space
+
+        return image_space(shape, scales=scales, width=width, ratio=ratio, progress=progress)
+    if kind not in ("mesh", "volume"):
+        raise MeshdepictError(
+            f"a {type(shape).__name__} has no scale space: give a Mesh, a Volume or a GBuffer"
+        )
+    widths = ladder(scales, ratio, resolve_width(width, shape))
+    if kind == "volume":
+        from meshdepict.scales.grid_scales import grid_space
+
+        return grid_space(shape, widths, ratio, tolerance=tolerance, progress=progress)
+    from meshdepict.scales.mesh_scales import mesh_space
+
+    return mesh_space(shape, widths, ratio, facing=facing, tolerance=tolerance, progress=progress)
+
+
+def smooth_normals(
+    mesh: Mesh, width: float | str, *, facing: int = 1, tolerance: float = 1e-4
+) -> NDArray[np.float32]:
+    """Smooth the normals at one width, climbing to it by a ladder of ratio √2.
+
+    The last rung of a `scale_space` whose widths are width·√2^−j, as long as they are no smaller
+    than the median edge.
+
+    Returns
+    -------
+    (n, 3) array of float32
+        Unit normals.
+    """
+    last = resolve_width(width, mesh)
+    rungs = 1 + max(0, math.floor(2 * math.log2(last / mesh.edge_length) + 1e-9))
+    first = last * math.sqrt(2) ** (1 - rungs)
+    space = scale_space(mesh, scales=rungs, width=first, facing=facing, tolerance=tolerance)
+    return space.normals[-1]

@@ -1,0 +1,1 @@
+"""What is shaded: meshes, volumes, images, and the documents that they came in."""

@@ -1,0 +1,134 @@
+"""What a reader tells the writers beside the mesh, and which colours a file ends up with."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from meshdepict.errors import MeshdepictWarning
+
+if TYPE_CHECKING:
+    from meshdepict.shapes.mesh import Mesh
+    from meshdepict.surface.polygons import Polygons
+
+__all__ = [
+    "COLOR",
+    "MARK",
+    "Contents",
+    "Document",
+    "Saving",
+    "as_bytes",
+    "new_names",
+    "only_colors",
+    "recolored",
+]
+
+MARK = "meshdepict "  # how every line of provenance begins
+COLOR = ("red", "green", "blue")
+
+
+class Contents(NamedTuple):
+    """What a format's reader found: the arguments of `Mesh`."""
+
+    vertices: NDArray[Any]
+    faces: Any
+    attributes: Mapping[str, Mapping[str, Any]]
+    document: Document
+
+
+class Saving(NamedTuple):
+    """How a mesh is to be saved, beside the mesh itself."""
+
+    colors: NDArray[np.uint8] | None = None
+    comments: tuple[str, ...] = ()
+    keep_colors: bool = True
+    suffix: str = ""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Document:
+    """What a file held beside its mesh.
+
+    ``provenance`` holds the lines that this program wrote into the file: where there are any, the
+    file's red, green and blue are a former bake's, not the object's.
+    """
+
+    provenance: tuple[str, ...] = ()
+
+    @property
+    def texcoords(self) -> tuple[NDArray[np.float64], NDArray[np.int64]] | None:
+        """(t, 2) texture coordinates, and which of them each corner has (−1: none), or None."""
+        return None
+
+    def describes(self, vertices: NDArray[np.float64] | None, polygons: Polygons) -> bool:
+        """Whether these are the file's vertices (if given) and polygons, not changed ones."""
+        return False
+
+
+def new_names(names: Iterable[str], *, ours: bool, keep: bool) -> dict[str, str]:
+    """Return what the properties of a file's vertices are called once it gets new colours.
+
+    The file's own colours become ``original_…`` where they are kept. A former bake's are dropped;
+    ``original_red`` shows one, too, if the lines that said so were lost on the way.
+    """
+    names = list(names)
+    ours = ours or any(f"original_{channel}" in names for channel in COLOR)
+    originals = {f"original_{channel}" for channel in COLOR}
+    renamed = {name: name for name in names if keep or name not in originals}
+    for channel in COLOR:
+        if channel in renamed:
+            if ours or not keep:
+                del renamed[channel]
+            else:
+                renamed[channel] = f"original_{channel}"
+    return renamed
+
+
+def recolored(attributes: Mapping[str, Any], saving: Saving, *, ours: bool) -> dict[str, Any]:
+    """Return a mesh's vertex attributes with the new colours as red, green and blue."""
+    if saving.colors is None:
+        return dict(attributes)
+    names = new_names(attributes, ours=ours, keep=saving.keep_colors)
+    kept = {names[name]: values for name, values in attributes.items() if name in names}
+    return kept | dict(zip(COLOR, saving.colors.T, strict=True))
+
+
+def as_bytes(values: NDArray[Any]) -> NDArray[np.uint8]:
+    """Return colours of any type as 8 bit: floats up to 1 as fractions, others up to 255.
+
+    NaN counts as black.
+    """
+    if values.dtype.kind in "iu":
+        widest = 257 if values.size and values.max() > 255 else 1  # 16 bit
+        return np.clip(values // widest, 0, 255).astype(np.uint8)
+    finite = np.nan_to_num(values, posinf=255, neginf=0)
+    scale = 1.0 if finite.size and finite.max() > 1 else 255.0
+    return np.clip(finite * scale + 0.5, 0, 255).astype(np.uint8)
+
+
+def only_colors(mesh: Mesh, saving: Saving, name: str) -> NDArray[np.uint8] | None:
+    """Return the (n, 3) colours to write into a format that holds one set of them, or None.
+
+    Warns where that loses colours which should be kept.
+    """
+    attributes = mesh.attributes["vertex"]
+    own = all(channel in attributes for channel in COLOR)
+    if saving.colors is not None:
+        ours = isinstance(mesh.document, Document) and bool(mesh.document.provenance)
+        kept = new_names(attributes, ours=ours, keep=saving.keep_colors).values()
+        if any(f"original_{channel}" in kept for channel in COLOR):
+            warnings.warn(
+                f"the mesh's own colours are lost: {name} holds one colour per vertex "
+                "(save as .ply or .vtp to keep them)",
+                MeshdepictWarning,
+                stacklevel=2,
+            )
+        return saving.colors
+    if not own:
+        return None
+    return as_bytes(np.stack([attributes[channel] for channel in COLOR], axis=1))

@@ -1,0 +1,243 @@
+"""GBuffer: what every pixel of a view sees of a surface: normal, depth, position and mask."""
+
+from __future__ import annotations
+
+import dataclasses
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from meshdepict.errors import MeshdepictError
+from meshdepict.images.pixel_samples import PixelSamples, check_size, finite
+from meshdepict.shapes.fingerprint import fingerprint
+from meshdepict.shapes.mesh import Mesh
+from meshdepict.surface.mesh_input import frozen
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from meshdepict.scene.view import View
+
+__all__ = ["GBuffer"]
+
+Floats = NDArray[np.float64]
+
+_UNIT = 1e-3  # how far a unit normal's length may be off: single precision and more
+
+
+class GBuffer(PixelSamples):
+    """Samples at the pixels of a picture, each with normal and depth; a shape like others.
+
+    Made by `of` from a mesh and a view, or by `from_images`. The samples are the pixels of the
+    mask alone, row by row from the top left; `image` puts values of samples back into a picture.
+
+    Attributes
+    ----------
+    view : View
+        Its ``height_px`` is the picture's.
+    mask : (height, width) array of bool
+        Where there is a surface.
+    normals : (n, 3) array
+        Unit, in world space, of the samples.
+    depths : (n,) array
+        Distances of the samples from the eye along the view's axis, in world units.
+    mesh : Mesh or None
+        What was seen, with for each sample ``triangle``, the number of its triangle (n,), and
+        ``barycentric``, its coordinates there (n, 3).
+    openness : (n,) array or None
+        Ambient occlusion that came with images: 1 where open.
+
+    Raises
+    ------
+    MeshdepictError
+        For an empty mask, no pixel or more than 16384 across, arrays of other lengths, numbers
+        that are not finite, normals that are not unit, and depths ≤ 0 in a perspective view.
+    """
+
+    kind = "image"
+
+    def __init__(
+        self,
+        view: View,
+        mask: ArrayLike,
+        normals: ArrayLike,
+        depths: ArrayLike,
+        *,
+        openness: ArrayLike | None = None,
+    ) -> None:
+        super().__init__(view, mask, depths)
+        count = len(self.depths)
+        self.normals = finite(normals, (count, 3), "normals")
+        off = int(np.count_nonzero(np.abs(np.linalg.norm(self.normals, axis=1) - 1) > _UNIT))
+        if off:
+            raise MeshdepictError(
+                f"normals of {off:,} pixels are not of unit length: normalise them"
+            )
+        self.openness = None if openness is None else finite(openness, (count,), "openness")
+        self.mesh: Mesh | None = None
+        self.triangle: NDArray[np.int32] | None = None
+        self.barycentric: Floats | None = None
+
+    @classmethod
+    def of(
+        cls, shape: Mesh, view: View | str = "front", *, size: tuple[int, int] | None = None
+    ) -> GBuffer:
+        """Look at a mesh: cast a ray through the centre of every pixel.
+
+        Parameters
+        ----------
+        shape : Mesh
+        view : View or str
+            A named one is fitted to the shape and the picture. The picture shows the height that
+            the view says, whatever its number of pixels.
+        size : (width, height), optional
+            In pixels; the view's height, and a square, unless given.
+
+        Raises
+        ------
+        MeshdepictError
+            Where the view shows nothing of the shape, and for a size beyond 1 … 16384.
+        """
+        from meshdepict.scene.view import View
+        from meshdepict.shapes.visibility import visible_surface
+
+        if not isinstance(shape, Mesh):
+            raise MeshdepictError(f"a {type(shape).__name__} can't be looked at: give a Mesh")
+        if size is None:
+            side = view.height_px if isinstance(view, View) else 1000
+            size = side, side
+        width, height = check_size(size)
+        if not isinstance(view, View):
+            view = View.fitted(view, shape, aspect=width / height, height_px=height)
+        view = dataclasses.replace(view, height_px=height)
+        mask, triangle, shares, depths = visible_surface(shape, view, width)
+        if not mask.any():
+            raise MeshdepictError(
+                f"the view {str(view).strip()} shows nothing of the shape: turn or move it, or "
+                "make the picture larger"
+            )
+        vertices = shape.faces[triangle]
+        normals = _interpolated(shape.normals, vertices, shares)
+        length = np.linalg.norm(normals, axis=1, keepdims=True)
+        # Where the corners' normals cancel: that of the nearest one.
+        corner = np.take_along_axis(vertices, shares.argmax(axis=1)[:, None], axis=1)[:, 0]
+        firm = length > 1e-9
+        normals = np.where(firm, normals / np.where(firm, length, 1), shape.normals[corner])
+        buffer = cls(view, mask, normals, depths)
+        buffer.mesh, buffer.triangle, buffer.barycentric = shape, frozen(triangle), frozen(shares)
+        return buffer
+
+    @classmethod
+    def from_images(
+        cls,
+        normals: ArrayLike | str | Path,
+        depth: ArrayLike | str | Path | None = None,
+        mask: ArrayLike | str | Path | None = None,
+        occlusion: ArrayLike | str | Path | None = None,
+        *,
+        view: View | None = None,
+        green: str = "up",
+        depth_scale: float | str = 1.0,
+    ) -> GBuffer:
+        """Take a normal map, and what else there is: arrays, or image files.
+
+        Parameters
+        ----------
+        normals : (h, w, 3 or 4) array_like or path
+            In view space: x right, y up, z to the eye. Unsigned numbers, which images hold, stand
+            for −1 … 1 from 0 to the largest of their type, others for themselves. Normalised, with
+            a warning where lengths are off by more than 1 %.
+        depth : (h, w) array_like or path, optional
+            Distance from the eye along the view's axis. Without one, all lies in one plane.
+        mask : (h, w) array_like or path, optional
+            Nonzero where there is a surface. Unless given, where the normal map is opaque (alpha)
+            and says something: neither black nor nearly zero.
+        occlusion : (h, w) array_like or path, optional
+            1 (or the largest unsigned number) where all light arrives.
+        view : View, optional
+            From the front, parallel, one world unit a pixel, unless given.
+        green : {"up", "down"}
+            Where the normal map's second channel points.
+        depth_scale : float or "fit"
+            World units per unit of the depth image; negative where near is bright. "fit" takes
+            what makes the slopes of the depth those of the normals.
+
+        Raises
+        ------
+        MeshdepictError
+            For files that can't be read, images of different sizes, an empty mask, and values that
+            make no sense.
+        """
+        from meshdepict.images.image_files import depth_unit, surface_images
+        from meshdepict.scene.view import View
+
+        found = surface_images(normals, depth, mask, occlusion, green=green)
+        height, width = found.mask.shape
+        check_size((width, height))
+        if view is None:
+            view = View(
+                (0, 0, height), (0, 0, 0), (0, 1, 0), parallel_scale=height / 2, height_px=height
+            )
+        here = found.mask
+        away = np.full(here.shape, float(np.linalg.norm(view.position - view.focus)))
+        if found.depth is not None:
+            away = found.depth * depth_unit(depth_scale, found, view)
+        openness = None if found.occlusion is None else found.occlusion[here]
+        return cls(view, here, found.normals[here] @ view.frame, away[here], openness=openness)
+
+    def __repr__(self) -> str:
+        """Return size and number of samples."""
+        width, height = self.size
+        return f"<GBuffer: {width} x {height} pixels, {len(self.normals):,} samples>"
+
+    # --- what every kind of shape has -------------------------------------------------------
+
+    @cached_property
+    def _centre(self) -> Floats:
+        if self.mesh is not None:
+            return self.mesh._centre
+        return frozen(self.points.min(axis=0) / 2 + self.points.max(axis=0) / 2)
+
+    @cached_property
+    def diagonal(self) -> float:
+        """Diagonal of the bounding box, the mesh's where there is one, in world units."""
+        if self.mesh is not None:
+            return self.mesh.diagonal
+        extent = self.points.max(axis=0) - self.points.min(axis=0)
+        largest = float(extent.max())
+        return largest and largest * float(np.linalg.norm(extent / largest))
+
+    @property
+    def identity(self) -> str:
+        """Size, number of samples, and the fingerprint of mask, normals and depths."""
+        width, height = self.size
+        digest = fingerprint(self.mask, self.normals, self.depths)
+        return f"{width} x {height} pixels {len(self.normals)} samples sha256 {digest}"
+
+    def sample(self, values: ArrayLike) -> NDArray[Any]:
+        """Return values of the mesh's vertices, (v,) or (v, k), interpolated at the samples.
+
+        Raises
+        ------
+        MeshdepictError
+            For another number of values, and where the buffer came from images.
+        """
+        if self.mesh is None or self.triangle is None or self.barycentric is None:
+            raise MeshdepictError("there are no vertices to interpolate: this came from images")
+        values, count = np.asarray(values), len(self.mesh.vertices)
+        if values.ndim not in (1, 2) or len(values) != count:
+            raise MeshdepictError(
+                f"values of shape {values.shape} are not one for each of {count:,} vertices"
+            )
+        return _interpolated(values, self.mesh.faces[self.triangle], self.barycentric)
+
+
+def _interpolated(values: NDArray[Any], vertices: NDArray[Any], shares: Floats) -> NDArray[Any]:
+    """Return values at places in triangles: vertices (n, 3), shares (n, 3)."""
+    parts = (
+        values[v] * (s if values.ndim == 1 else s[:, None])
+        for v, s in zip(vertices.T, shares.T, strict=True)
+    )
+    return next(parts) + next(parts) + next(parts)

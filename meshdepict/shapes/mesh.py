@@ -1,0 +1,285 @@
+"""Mesh: vertices, faces and attributes, with normals, areas and lengths computed on first use."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Mapping
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from meshdepict.errors import MeshdepictError, MeshdepictWarning
+from meshdepict.shapes.fingerprint import fingerprint
+from meshdepict.surface import triangles
+from meshdepict.surface.mesh_input import (
+    check_indices,
+    checked_attributes,
+    checked_vertices,
+    frozen,
+)
+from meshdepict.surface.polygons import as_polygons, triangulate
+from meshdepict.surface.welding import normal_groups, same_position
+
+if TYPE_CHECKING:
+    from meshdepict.surface.orientation import Orientation
+
+__all__ = ["Mesh"]
+
+Floats = NDArray[np.float64]
+
+
+class Mesh:
+    """A surface of triangles or polygons, validated once, never modified.
+
+    Parameters
+    ----------
+    vertices : (n, 3) array_like of float
+        Positions in world units.
+    faces : (m, 3) or (m, k) array_like of int, a list of polygons, or `Polygons`
+        Vertex indices, counter-clockwise seen from outside.
+    attributes : {"vertex": {name: (n, …)}, "face": {name: (polygons, …)}}, optional
+        What else is known at vertices and polygons, colours for instance.
+    winding : {"auto", "keep"}
+        "auto" turns faces that point inwards before normals are computed (see `orientation`);
+        `faces` themselves stay as given. "keep" believes the file.
+    document : object, optional
+        What the file's reader wants the file's writer to know.
+
+    Raises
+    ------
+    MeshdepictError
+        For an empty mesh, wrong shapes, NaN or infinite vertices, an index out of range.
+    """
+
+    kind = "mesh"
+
+    def __init__(
+        self,
+        vertices: ArrayLike,
+        faces: Any,
+        *,
+        attributes: Mapping[str, Mapping[str, Any]] | None = None,
+        winding: str = "auto",
+        document: object = None,
+    ) -> None:
+        self.vertices = checked_vertices(vertices)
+        polygons = as_polygons(faces)
+        if len(polygons.connectivity) == 0:
+            raise MeshdepictError(
+                f"the mesh has no faces ({len(self.vertices):,} vertices): shading needs a "
+                "surface; reconstruct one from the points first"
+            )
+        check_indices(polygons, len(self.vertices))
+        if winding not in ("auto", "keep"):
+            raise MeshdepictError(f"winding={winding!r} is neither 'auto' nor 'keep'")
+        self.faces, self._owner = triangulate(self.vertices, polygons)
+        if len(self.faces) == 0:
+            raise MeshdepictError("the mesh has no faces with three corners or more")
+        self.polygons = None if (np.diff(polygons.offsets) == 3).all() else polygons
+        self.attributes = checked_attributes(
+            attributes or {}, vertex=len(self.vertices), face=len(polygons.offsets) - 1
+        )
+        self.winding = winding
+        self.document = document
+        for array in (self.vertices, self.faces, self._owner, *polygons):
+            array.setflags(write=False)
+
+    @classmethod
+    def from_pyvista(cls, poly: Any, *, winding: str = "auto") -> Mesh:
+        """Take the polygons and strips of a ``pyvista.PolyData`` with its point and cell arrays.
+
+        Strips become triangles; lines and single vertices are left out. The 8-bit colours "RGB"
+        or "RGBA" become the vertex attributes red, green, blue and alpha.
+
+        Raises
+        ------
+        MeshdepictError
+            For anything but a ``PolyData``, and as `Mesh`.
+        """
+        from meshdepict.shapes.exchange import polydata_contents
+
+        return cls._of(polydata_contents(poly), winding)
+
+    @classmethod
+    def from_trimesh(cls, tm: Any, *, winding: str = "auto") -> Mesh:
+        """Take the faces of a ``trimesh.Trimesh`` with its colours and attributes.
+
+        Colours become the vertex or face attributes red, green, blue and, where any is
+        transparent, alpha.
+
+        Raises
+        ------
+        MeshdepictError
+            For anything but a ``Trimesh``, and as `Mesh`.
+        """
+        from meshdepict.shapes.exchange import trimesh_contents
+
+        return cls._of(trimesh_contents(tm), winding)
+
+    @classmethod
+    def _of(cls, contents: Any, winding: str) -> Mesh:
+        vertices, faces, attributes, document = contents
+        return cls(vertices, faces, attributes=attributes, winding=winding, document=document)
+
+    def __repr__(self) -> str:
+        """Return counts and size."""
+        faces = len(self.faces) if self.polygons is None else len(self.polygons.offsets) - 1
+        size = f"diagonal {self.diagonal:.4g}"
+        return f"<Mesh: {len(self.vertices):,} vertices, {faces:,} faces, {size}>"
+
+    # --- what every kind of shape has -------------------------------------------------------
+
+    @property
+    def outline(self) -> Floats:
+        """World positions (n, 3) that a fitted view has to show: the vertices."""
+        return self.vertices
+
+    @cached_property
+    def identity(self) -> str:
+        """Counts, and the fingerprint of vertices and triangles."""
+        counts = f"{len(self.vertices)} vertices {len(self.faces)} triangles"
+        return f"{counts} sha256 {fingerprint(self.vertices, self.faces)}"
+
+    # --- size -------------------------------------------------------------------------------
+
+    @cached_property
+    def _centre(self) -> Floats:
+        low, high = self.vertices.min(axis=0), self.vertices.max(axis=0)
+        return low / 2 + high / 2
+
+    @cached_property
+    def diagonal(self) -> float:
+        """Diagonal of the bounding box, in world units."""
+        extent = self.vertices.max(axis=0) - self.vertices.min(axis=0)
+        largest = float(extent.max())
+        return largest and largest * float(np.linalg.norm(extent / largest))
+
+    @cached_property
+    def _unit_points(self) -> Floats:
+        """The vertices moved to the origin and scaled to a diagonal of one.
+
+        All geometry is computed on these, so that neither survey coordinates nor metres in
+        nanometres cost digits, and squares of squares of lengths neither overflow nor vanish.
+        """
+        return frozen(self.recentred(self.vertices))
+
+    def recentred(self, points: Floats) -> Floats:
+        """Return world positions (…, 3) relative to the mesh's centre, in its diagonals."""
+        moved: Floats = points - self._centre
+        moved /= self.diagonal or 1.0
+        return moved
+
+    @cached_property
+    def edge_length(self) -> float:
+        """Median length of the edges that have a length, in world units."""
+        lengths = triangles.edge_lengths(self._unit_points, self.faces)
+        lengths = lengths[lengths > 0]
+        return float(np.median(lengths)) * self.diagonal if len(lengths) else self.diagonal or 1.0
+
+    # --- orientation ------------------------------------------------------------------------
+
+    @cached_property
+    def orientation(self) -> Orientation:
+        """Which faces had to be turned to point outwards, and a sentence about it."""
+        from meshdepict.surface.orientation import Orientation, orient
+
+        if self.winding == "keep":
+            return Orientation(np.zeros(len(self.faces), bool), None)
+        found = orient(self._unit_points, self.faces)
+        if found.message:
+            warnings.warn(found.message, MeshdepictWarning, stacklevel=3)
+        return found
+
+    @cached_property
+    def _outward_faces(self) -> NDArray[np.int64]:
+        flipped = self.orientation.flipped
+        if not flipped.any():
+            return self.faces
+        return frozen(np.where(flipped[:, None], self.faces[:, ::-1], self.faces))
+
+    def rewound(self) -> Mesh:
+        """Return the mesh with its faces themselves turned outwards; itself where they are.
+
+        Vertices, attributes, the order of the faces and the first corner of each stay. What else
+        the file held is left behind, texture coordinates with a warning.
+        """
+        flipped = self.orientation.flipped
+        if not flipped.any():
+            return self
+        from meshdepict.shapes.document import Document
+
+        kept = None
+        if isinstance(self.document, Document):
+            kept = Document(provenance=self.document.provenance)
+            if self.document.texcoords is not None:
+                warnings.warn(
+                    "texture coordinates are lost where faces are turned",
+                    MeshdepictWarning,
+                    stacklevel=2,
+                )
+        polygons = self.polygons or as_polygons(self.faces)
+        # Degenerate triangles are never turned: a polygon goes the way of most of its area.
+        a, b, c = (self._unit_points[corner] for corner in self.faces.T)
+        areas = np.linalg.norm(np.cross(b - a, c - a), axis=1)
+        count = len(polygons.offsets) - 1
+        turned = np.bincount(self._owner, np.where(flipped, areas, -areas), minlength=count) > 0
+        return Mesh(
+            self.vertices,
+            polygons.reversed(turned),
+            attributes=self.attributes,
+            winding="keep",
+            document=kept,
+        )
+
+    # --- what shading needs -----------------------------------------------------------------
+
+    @cached_property
+    def normals(self) -> Floats:
+        """(n, 3) unit normals, outward; weighted after Max 1999, so exact on a sphere.
+
+        Vertices at bit-identical positions share one normal unless their own differ by more than
+        90°. A vertex that no proper face meets has +z.
+        """
+        sums = triangles.normal_sums(self._unit_points, self._outward_faces)
+        sums = self._shared(sums)
+        scale = np.abs(sums).max(axis=1, keepdims=True)
+        sums /= np.where(scale > 0, scale, 1.0)  # before squaring: a needle's weights overflow
+        length = np.linalg.norm(sums, axis=1, keepdims=True)
+        return frozen(
+            np.where(length > 0, sums / np.where(length > 0, length, 1.0), (0.0, 0.0, 1.0))
+        )
+
+    @cached_property
+    def areas(self) -> Floats:
+        """(n,) mixed Voronoi areas after Meyer et al. 2002, in squared world units."""
+        return frozen(self._unit_areas * self.diagonal**2)
+
+    @cached_property
+    def _unit_areas(self) -> Floats:
+        areas = triangles.mixed_voronoi_areas(self._unit_points, self.faces)
+        return frozen(self._shared(areas, mean=True))
+
+    @cached_property
+    def _groups(self) -> NDArray[np.int64] | None:
+        """For each vertex the group it shares normal and curvature with; None: all alone.
+
+        Groups are numbered from 0 without gaps.
+        """
+        position = same_position(self.vertices)
+        if position is None:
+            return None
+        return normal_groups(
+            position, triangles.normal_sums(self._unit_points, self._outward_faces)
+        )
+
+    def _shared(self, values: Floats, *, mean: bool = False) -> Floats:
+        """Sum (or average) per-vertex values over the vertices at one position."""
+        group = self._groups
+        if group is None:
+            return values
+        columns = values.reshape(len(values), -1).T
+        total: Floats = np.stack([np.bincount(group, column) for column in columns], axis=1)
+        count = np.bincount(group)[:, None] if mean else 1
+        return (total / count)[group].reshape(values.shape)

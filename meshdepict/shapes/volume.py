@@ -1,0 +1,294 @@
+"""Volume: a grid of CT numbers with its place in the world, validated once, never copied.
+
+World space is the patient's: x to the left, y to the back, z to the head (LPS), in millimetres, as
+in DICOM and SimpleITK. Files of other conventions (NIfTI's RAS) are turned when they are read.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from meshdepict.errors import MeshdepictError
+from meshdepict.shapes.fingerprint import fingerprint
+from meshdepict.surface.mesh_input import frozen
+from meshdepict.voxels.volume_input import (
+    as_list,
+    check_rescale,
+    checked_direction,
+    checked_values,
+    fitting_integer,
+    three_numbers,
+)
+
+__all__ = ["Volume"]
+
+Floats = NDArray[np.float64]
+
+_SLAB = 1 << 22  # voxels looked at in one go, so that a file mapped into memory stays on the disk
+_LARGEST = 1e150  # beyond it squares of coordinates overflow
+
+
+class Volume:
+    """A grid of scalar values, for instance CT numbers.
+
+    Parameters
+    ----------
+    values : (nz, ny, nx) array_like
+        Integers or floats, x fastest in memory. An array of the right layout, also a memory-mapped
+        one, is used as it is and must not be changed afterwards.
+    spacing : (3,) array_like
+        Distances between voxels along the grid's x, y and z, in world units (mm).
+    origin : (3,) array_like
+        World position of the centre of voxel ``values[0, 0, 0]``.
+    direction : (3, 3) array_like
+        Columns: world directions of the grid's axes x, y, z, orthonormal (SimpleITK's convention).
+        They may be left-handed, as in files with a flipped axis: every way from grid to world goes
+        through them, so what is left in the patient stays left.
+    hounsfield : bool
+        Whether the values are Hounsfield units.
+    attributes : mapping, optional
+        What else is known, such as the series' description.
+
+    Attributes
+    ----------
+    values : (nz, ny, nx) ndarray, read-only, of the given type
+    spacing, origin : (3,) ndarray of float64
+    direction : (3, 3) ndarray of float64
+    hounsfield : bool
+    attributes : mapping
+
+    Raises
+    ------
+    MeshdepictError
+        For other shapes and types, an empty, one-slice or constant volume, NaN or infinite values,
+        a spacing that is not positive, and directions that are not orthonormal.
+    """
+
+    kind = "volume"
+
+    def __init__(
+        self,
+        values: ArrayLike,
+        *,
+        spacing: ArrayLike = (1.0, 1.0, 1.0),
+        origin: ArrayLike = (0.0, 0.0, 0.0),
+        direction: ArrayLike | None = None,
+        hounsfield: bool = False,
+        attributes: Mapping[str, Any] | None = None,
+    ) -> None:
+        self.values = frozen(checked_values(values).view())
+        self.spacing = frozen(three_numbers(spacing, "spacing"))
+        self.origin = frozen(three_numbers(origin, "origin"))
+        self.direction = frozen(checked_direction(np.eye(3) if direction is None else direction))
+        if not (self.spacing > 0).all():
+            raise MeshdepictError(
+                f"the spacing {as_list(self.spacing)} is not positive along every axis"
+            )
+        if not np.abs(self.outline).max() < _LARGEST:
+            raise MeshdepictError(f"the volume reaches beyond {_LARGEST:g} in world coordinates")
+        self.hounsfield = bool(hounsfield)
+        self.attributes = dict(attributes or {})
+        self._check_contents()
+
+    @classmethod
+    def from_pyvista(cls, image: Any, *, hounsfield: bool | None = None) -> Volume:
+        """Take the active or only scalars of a ``pyvista.ImageData``.
+
+        Values of cells stand at the cells' centres. ``hounsfield=None`` believes the field "unit"
+        that `to_pyvista` writes.
+
+        Raises
+        ------
+        MeshdepictError
+            For anything but ``ImageData``, for none or several arrays, and as `Volume`.
+        """
+        from meshdepict.io.vti import image_contents
+
+        values, place, unit = image_contents(image)
+        return cls(values, **place, hounsfield=unit == "HU" if hounsfield is None else hounsfield)
+
+    def to_pyvista(self) -> Any:
+        """Return a ``pyvista.ImageData`` with the point data "values", which share the memory."""
+        from meshdepict.io.vti import image_of
+
+        return image_of(self.values, self)
+
+    def __repr__(self) -> str:
+        """Return size, type, spacing and unit."""
+        nz, ny, nx = self.values.shape
+        kind, spacing = self.values.dtype, as_list(self.spacing)
+        return f"<Volume: {nx} x {ny} x {nz} {kind}, spacing {spacing}, {self.unit}>"
+
+    # --- values -----------------------------------------------------------------------------
+
+    @property
+    def unit(self) -> str:
+        """What the values are: "HU" or "raw"."""
+        return "HU" if self.hounsfield else "raw"
+
+    @property
+    def n_samples(self) -> int:
+        """Number of voxels."""
+        return self.values.size
+
+    def slabs(self) -> Iterator[tuple[slice, NDArray[Any]]]:
+        """Yield ``(slices, values[slices])`` along z, a few million voxels each."""
+        step = max(1, _SLAB // math.prod(self.values.shape[1:]))
+        for start in range(0, len(self.values), step):
+            rows = slice(start, min(start + step, len(self.values)))
+            yield rows, self.values[rows]
+
+    @cached_property
+    def range(self) -> tuple[float, float]:
+        """Smallest and largest value."""
+        ends = [(slab.min(), slab.max()) for _, slab in self.slabs()]
+        return float(min(low for low, _ in ends)), float(max(high for _, high in ends))
+
+    def rescaled(self, slope: float, intercept: float) -> Volume:
+        """Return the volume in Hounsfield units, ``slope · raw + intercept``.
+
+        Integers stay integers where slope and intercept are whole numbers, in the narrowest type
+        from 16 bits on; else the values become float32. Slope 1 and intercept 0 say that the
+        values are Hounsfield units already, and copy nothing.
+
+        Raises
+        ------
+        MeshdepictError
+            For a slope that is not positive, an intercept that is not finite, and a volume that is
+            in Hounsfield units.
+        """
+        if self.hounsfield:
+            raise MeshdepictError("the volume is in Hounsfield units already: don't rescale it")
+        check_rescale(slope, intercept)
+        values = self.values
+        if (slope, intercept) != (1, 0):
+            whole = float(slope).is_integer() and float(intercept).is_integer()
+            kind: Any = np.float32
+            if whole and values.dtype.kind in "iu":
+                kind = fitting_integer(*(slope * end + intercept for end in self.range))
+            values = np.empty(self.values.shape, kind)
+            for rows, slab in self.slabs():
+                values[rows] = slab * np.float64(slope) + intercept
+        return Volume(
+            values,
+            spacing=self.spacing,
+            origin=self.origin,
+            direction=self.direction,
+            hounsfield=True,
+            attributes=self.attributes,
+        )
+
+    def cropped(
+        self,
+        *,
+        x: tuple[float, float] = (0.0, 1.0),
+        y: tuple[float, float] = (0.0, 1.0),
+        z: tuple[float, float] = (0.0, 1.0),
+    ) -> Volume:
+        """Return a part of the grid, at the same place in the world; nothing is copied.
+
+        Parameters
+        ----------
+        x, y, z : (float, float)
+            Shares of the grid's own axes, from 0 to 1.
+
+        Raises
+        ------
+        MeshdepictError
+            For other shares, and where less than two slices are left.
+        """
+        spans = []
+        for name, span, count in zip("xyz", (x, y, z), self.values.shape[::-1], strict=True):
+            if not 0 <= span[0] < span[1] <= 1:
+                raise MeshdepictError(f"{name}={span!r} are not two shares of an axis, 0 … 1")
+            ends = (round(share * (count - 1)) for share in span)
+            spans.append(slice(next(ends), next(ends) + 1))
+        if spans == [slice(0, count) for count in self.values.shape[::-1]]:
+            return self
+        return Volume(
+            self.values[tuple(spans[::-1])],
+            spacing=self.spacing,
+            origin=self.to_world([span.start for span in spans]),
+            direction=self.direction,
+            hounsfield=self.hounsfield,
+            attributes=self.attributes,
+        )
+
+    def _check_contents(self) -> None:
+        """Refuse NaN and constants, reading no more of the values than it takes."""
+        first = self.values[0, 0, 0]
+        floats, varied, bad, where = self.values.dtype.kind == "f", False, 0, (0, 0, 0)
+        for rows, slab in self.slabs():
+            varied = varied or bool((slab != first).any())
+            if varied and not floats:
+                return
+            if floats and not np.isfinite(slab).all():
+                wrong = ~np.isfinite(slab)
+                if not bad:
+                    z, y, x = np.unravel_index(int(wrong.argmax()), wrong.shape)
+                    where = (int(x), int(y), int(z) + rows.start)
+                bad += int(np.count_nonzero(wrong))
+        if bad:
+            raise MeshdepictError(
+                f"the volume has {bad:,} values that are NaN or infinite, the first at voxel "
+                f"(x, y, z) = {where}: replace them by the value of air"
+            )
+        if not varied:
+            raise MeshdepictError(f"the volume is constant: every voxel is {first}")
+
+    # --- place ------------------------------------------------------------------------------
+
+    def to_world(self, indices: ArrayLike) -> Floats:
+        """Return world positions of grid positions.
+
+        Parameters
+        ----------
+        indices : (..., 3) array_like
+            Voxel coordinates in the order x, y, z; fractions lie between voxels.
+
+        Returns
+        -------
+        (..., 3) ndarray
+        """
+        return self.origin + (np.asarray(indices, np.float64) * self.spacing) @ self.direction.T
+
+    @cached_property
+    def identity(self) -> str:
+        """Size, and the fingerprint of the values and their place in the world."""
+        nz, ny, nx = self.values.shape
+        slabs = (slab for _, slab in self.slabs())
+        digest = fingerprint(self.spacing, self.origin, self.direction, *slabs)
+        return f"{nx} x {ny} x {nz} voxels sha256 {digest}"
+
+    @cached_property
+    def outline(self) -> Floats:
+        """(8, 3) world corners of the box of voxel centres: what a view has to show."""
+        nz, ny, nx = self.values.shape
+        corners = np.array(np.meshgrid((0, nx - 1), (0, ny - 1), (0, nz - 1))).reshape(3, 8).T
+        return frozen(self.to_world(corners))
+
+    @cached_property
+    def _centre(self) -> Floats:
+        low, high = self.outline.min(axis=0), self.outline.max(axis=0)
+        return frozen(low / 2 + high / 2)
+
+    @cached_property
+    def diagonal(self) -> float:
+        """Diagonal of the box of voxel centres, in world units."""
+        return float(np.linalg.norm((np.array(self.values.shape[::-1]) - 1) * self.spacing))
+
+    def recentred(self, points: Floats) -> Floats:
+        """Return world positions (…, 3) relative to the volume's centre, in its diagonals."""
+        moved: Floats = (points - self._centre) / (self.diagonal or 1.0)
+        return moved
+
+    @property
+    def edge_length(self) -> float:
+        """The largest spacing, in world units: what is finer along it are steps between slices."""
+        return float(self.spacing.max())

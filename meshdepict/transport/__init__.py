@@ -1,0 +1,1 @@
+"""Rays: what light reaches a sample."""

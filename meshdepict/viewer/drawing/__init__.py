@@ -1,1 +1,0 @@
-"""Pictures and movies without a window: layout, scale bar, canvas, volumes, files."""
