@@ -21,7 +21,7 @@ from meshdepict.shading import METHODS
 from meshdepict.shapes import samples
 from meshdepict.shapes.sheet import height_sheet, scalar_array
 
-ROOT = Path(__file__).resolve().parent.parent
+ROOT = Path(__file__).resolve().parents[2]
 
 
 @pytest.fixture

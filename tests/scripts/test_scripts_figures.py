@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-SCRIPTS = Path(__file__).resolve().parent.parent / "scripts"
+SCRIPTS = Path(__file__).resolve().parents[2] / "scripts"
 ES, LW, RS = (1, 3, 5, 6, 8), (6, 9, 10, 11), (*range(2, 9), 14)
 NAMES = (
     *(f"ES{i}" for i in ES), *(f"LW{i}" for i in LW), *(f"RS{i}" for i in RS),
