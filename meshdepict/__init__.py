@@ -24,9 +24,11 @@ if TYPE_CHECKING:
     from meshdepict.congruence.comparison import compare
     from meshdepict.io import read, read_mesh
     from meshdepict.io.volumes import read_volume
-    from meshdepict.scales.space import ScaleSpace, scale_space, smooth_normals
+    from meshdepict.scales.making import scale_space, smooth_normals
+    from meshdepict.scales.space import ScaleSpace
     from meshdepict.scene.environment import Environment
-    from meshdepict.scene.view import Light, View
+    from meshdepict.scene.light import Light
+    from meshdepict.scene.view import View
     from meshdepict.shapes import samples
     from meshdepict.shapes.gbuffer import GBuffer
     from meshdepict.shapes.mesh import Mesh
@@ -64,7 +66,7 @@ _HOME = {
     "Baked": "baking.baked",
     "Environment": "scene.environment",
     "GBuffer": "shapes.gbuffer",
-    "Light": "scene.view",
+    "Light": "scene.light",
     "Mesh": "shapes.mesh",
     "ScaleSpace": "scales.space",
     "TransferFunction": "color.transfer_function",
@@ -78,8 +80,8 @@ _HOME = {
     "read_mesh": "io",
     "read_volume": "io.volumes",
     "save_recipe": "baking.recipe",
-    "scale_space": "scales.space",
-    "smooth_normals": "scales.space",
+    "scale_space": "scales.making",
+    "smooth_normals": "scales.making",
 }
 
 _MODULES = {"samples": "shapes.samples"}

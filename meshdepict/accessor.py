@@ -13,12 +13,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from meshdepict.baking.baked import Baked
-from meshdepict.baking.surfaces import as_mesh, bake, find_method
+from meshdepict.baking.surfaces import as_mesh, bake
 from meshdepict.errors import MeshdepictError
 from meshdepict.options import check, nearest, options_of
-from meshdepict.scales.space import ScaleSpace, scale_space
-from meshdepict.shading import METHODS
+from meshdepict.scales.making import scale_space
+from meshdepict.scales.space import ScaleSpace
 from meshdepict.shading.method import declaration
+from meshdepict.shading.registry import METHODS, find_method
 from meshdepict.shapes.sheet import SCALARS, height_sheet, scalar_array
 
 if TYPE_CHECKING:

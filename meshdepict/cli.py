@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from cyclopts import App, CycloptsError, Parameter, UnknownCommandError
 
 import meshdepict
-from meshdepict.commands.console import FAULT, complain, notes
+from meshdepict.console import FAULT, complain, notes
 from meshdepict.errors import MeshdepictError
 
 __all__ = ["app", "main"]

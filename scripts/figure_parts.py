@@ -15,11 +15,12 @@ from PIL import Image, ImageDraw, ImageFont
 
 import meshdepict as md
 from meshdepict import color
-from meshdepict.baking.surfaces import find_method
 from meshdepict.congruence.judging import Judge
 from meshdepict.scales.image_scales import image_space
-from meshdepict.scene.view import View, as_lights
+from meshdepict.scene.names import as_lights
+from meshdepict.scene.view import View
 from meshdepict.shading import declaration
+from meshdepict.shading.registry import find_method
 from meshdepict.shapes import samples
 from meshdepict.shapes.gbuffer import GBuffer
 

@@ -24,12 +24,12 @@ from typing import Any, NamedTuple
 import numpy as np
 
 import meshdepict as md
-from meshdepict.baking.surfaces import find_method
 from meshdepict.color.encoding import linear_to_srgb
 from meshdepict.scales.image_scales import image_space
 from meshdepict.scales.interpolated_scales import InterpolatedSpace
-from meshdepict.scene.view import as_light
+from meshdepict.scene.names import as_light
 from meshdepict.shading import declaration
+from meshdepict.shading.registry import find_method
 from meshdepict.shapes import samples
 from meshdepict.shapes.gbuffer import GBuffer
 from meshdepict.threads import thread_count

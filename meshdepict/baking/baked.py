@@ -72,8 +72,8 @@ class Baked:
         if self.space is None or self._shade is None:
             return None
         from meshdepict.baking.refinement import edge_error
-        from meshdepict.baking.surfaces import find_method
         from meshdepict.shading.method import declaration
+        from meshdepict.shading.registry import find_method
 
         linear = declaration(find_method(self.settings["method"])).linear
         return edge_error(self.space, self._shade, linear=linear)
@@ -127,7 +127,13 @@ class Baked:
             self.shape.attributes["vertex"], Saving(self.colors), ours=was_baked(self.shape)
         )
         attributes[f"depict_{self.provenance['method']}"] = self.intensity
-        poly = to_polydata(self.shape, attributes, self.comments)
+        poly = to_polydata(
+            self.shape.vertices,
+            self.shape.faces if self.shape.polygons is None else self.shape.polygons,
+            attributes,
+            self.shape.attributes["face"],
+            self.comments,
+        )
         poly.set_active_scalars("RGB", preference="point")
         return poly
 

@@ -20,8 +20,8 @@ from meshdepict.baking.voxel_shading import BESIDE, VolumeRecipe, volume_recipe
 from meshdepict.errors import MeshdepictError
 from meshdepict.scene.view import View
 from meshdepict.shapes.place import Place
+from meshdepict.voxels.grid import Triple
 from meshdepict.voxels.grid_normals import in_voxels
-from meshdepict.voxels.grid_samples import Triple
 from meshdepict.voxels.grid_sums import Piece, halo
 
 if TYPE_CHECKING:

@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
 
+from meshdepict.files.mark import MARK, VERSION
 from meshdepict.options import as_text, options_of
-from meshdepict.shapes.document import MARK, Document
+from meshdepict.shapes.document import Document
 
 if TYPE_CHECKING:
     from meshdepict.scales.space import ScaleSpace
@@ -39,14 +40,12 @@ def describe(
     light, view, up, colormap, albedo
         As for `bake`.
     """
-    from meshdepict import __version__
-
     values = {name: options.get(name, o.default) for name, o in options_of(function).items()}
     occlusion = [
         f"{rays} rays, rms error {error:.2g}" for rays, error in space.occlusion_errors.items()
     ]
     return {
-        "version": str(__version__),
+        "version": VERSION,
         "method": function.__name__,
         "options": " ".join(
             f"{name}={as_text(value)}" for name, value in values.items() if value is not None

@@ -11,12 +11,14 @@ from os.path import exists
 from pathlib import Path
 from typing import Any
 
-from meshdepict.baking.surfaces import bake, find_method
+from meshdepict.baking.surfaces import bake
 from meshdepict.errors import MeshdepictError
 from meshdepict.files.atomic import atomic_write
+from meshdepict.files.mark import VERSION
 from meshdepict.options import check, nearest, options_of
 from meshdepict.scene.light import Light
 from meshdepict.scene.view import View
+from meshdepict.shading.registry import find_method
 
 __all__ = ["LOOK", "load_recipe", "merge_recipe", "save_recipe"]
 
@@ -90,7 +92,6 @@ def save_recipe(
         For settings that no file can hold, such as a material, and where the file may not be
         replaced or written.
     """
-    from meshdepict import __version__
     from meshdepict.shading.method import declaration
 
     path = Path(path)
@@ -110,7 +111,7 @@ def save_recipe(
     given = {name: value for name, value in settings.items() if name not in LOOK}
     options = {name: option.default for name, option in options_of(function).items()}
     options |= check(function, given, method)
-    lines = [f"{_MARK}, written by version {__version__}", *_lines(look)]
+    lines = [f"{_MARK}, written by version {VERSION}", *_lines(look)]
     text = "\n".join([*lines, "", "[options]", *_lines(options), ""])
     if not force and exists(path) and not _is_recipe(path):
         raise MeshdepictError(

@@ -16,15 +16,16 @@ from meshdepict.baking.baked import Baked
 from meshdepict.baking.provenance import describe, was_baked
 from meshdepict.color import colormaps2d as color2d
 from meshdepict.errors import MeshdepictError
-from meshdepict.options import check, nearest, options_of
-from meshdepict.scales.space import ScaleSpace, scale_space
-from meshdepict.scene.light import as_light, as_lighting
-from meshdepict.scene.view import View, as_view
+from meshdepict.options import check, options_of
+from meshdepict.scales.making import scale_space
+from meshdepict.scales.space import ScaleSpace
+from meshdepict.scene.names import as_light, as_lighting, as_view
+from meshdepict.scene.view import View
 
 if TYPE_CHECKING:
     from meshdepict.shapes.mesh import Mesh
 
-__all__ = ["Baked", "as_mesh", "bake", "find_method", "own_colors", "refuse_other_scales"]
+__all__ = ["Baked", "as_mesh", "bake", "own_colors", "refuse_other_scales"]
 
 
 def bake(
@@ -90,6 +91,7 @@ def bake(
         For anything unknown or out of range.
     """
     from meshdepict.shading.method import declaration
+    from meshdepict.shading.registry import find_method
 
     function = find_method(method)
     declared = declaration(function)
@@ -177,17 +179,6 @@ def bake(
 def _kind(shape: Any) -> str | None:
     """Return what kind of shape it is, or was sampled; None of what is yet to become one."""
     return getattr(shape.shape if isinstance(shape, ScaleSpace) else shape, "kind", None)
-
-
-def find_method(name: str) -> Callable[..., Any]:
-    """Return the shading function of a name; raise `MeshdepictError` naming the nearest."""
-    from meshdepict.shading import METHODS
-
-    if not isinstance(name, str) or name not in METHODS:
-        raise MeshdepictError(
-            f"no method is called {name!r}{nearest(name, METHODS)} (there are {', '.join(METHODS)})"
-        )
-    return METHODS[name]
 
 
 def as_mesh(shape: Any) -> Mesh:

@@ -54,7 +54,8 @@ class BakedVolume:
         rgba: NDArray[np.uint8] | None = None,
         shaded_share: float,
     ) -> None:
-        self.shape, self.view = recipe.shape, recipe.view
+        self.shape: Any = recipe.shape
+        self.view = recipe.view
         self.space, self.intensity = space, intensity
         self.shaded_share = shaded_share
         self.provenance = recipe.provenance(space, shaded_share)
@@ -64,7 +65,7 @@ class BakedVolume:
 
     def __repr__(self) -> str:
         """Return method, size and share."""
-        nz, ny, nx = self.shape.values.shape
+        nz, ny, nx = self.shape.counts
         method = self.provenance["method"]
         return f"<BakedVolume: {method} on {self.shaded_share:.1%} of {nx} x {ny} x {nz} voxels>"
 
@@ -72,6 +73,11 @@ class BakedVolume:
     def transfer(self) -> TransferFunction | None:
         """What is shown, in the volume's unit."""
         return self._recipe.transfer
+
+    @property
+    def linear(self) -> bool:
+        """Whether the intensity is linear light, and not a display value."""
+        return self._recipe.linear
 
     @cached_property
     def rgba(self) -> NDArray[np.uint8]:
@@ -82,7 +88,7 @@ class BakedVolume:
         """
         assert self.space is not None
         assert self.intensity is not None
-        rgba = np.zeros((*self.shape.values.shape, 4), np.uint8)
+        rgba = np.zeros((*self.shape.counts, 4), np.uint8)
         self._recipe.paint(self.space, self.intensity, rgba, (0, 0, 0))
         return rgba
 
@@ -101,7 +107,7 @@ class BakedVolume:
 
     def to_pyvista(self) -> Any:
         """Return a ``pyvista.ImageData`` with the point data "RGBA"."""
-        from meshdepict.io.vti import image_of
+        from meshdepict.shapes.exchange import image_of
 
         return image_of(self.rgba, self.shape)
 

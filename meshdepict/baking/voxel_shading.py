@@ -12,20 +12,22 @@ from numpy.typing import NDArray
 
 from meshdepict import color
 from meshdepict.baking.provenance import describe
-from meshdepict.baking.surfaces import find_method
 from meshdepict.errors import MeshdepictError
 from meshdepict.options import check
 from meshdepict.scales.grid_scales import GridSpace, piece_space
-from meshdepict.scales.ladder import check_ladder, ladder, resolve_width
-from meshdepict.scene.light import as_lighting
-from meshdepict.scene.view import View, as_view
+from meshdepict.scales.ladder import check_ladder, ladder
+from meshdepict.scene.names import as_lighting, as_view
+from meshdepict.scene.view import View
+from meshdepict.shading.registry import find_method
+from meshdepict.shapes.lengths import resolve_width
 from meshdepict.threads import each, spans
-from meshdepict.voxels.grid_samples import Samples, Triple, grown
+from meshdepict.voxels.grid import Triple
+from meshdepict.voxels.grid_samples import Samples, grown
 from meshdepict.voxels.grid_sums import Piece
 
 if TYPE_CHECKING:
     from meshdepict.color.transfer_function import TransferFunction
-    from meshdepict.shapes.volume import Volume
+    from meshdepict.voxels.grid import Grid
 
 __all__ = ["BESIDE", "VolumeRecipe", "volume_recipe"]
 
@@ -41,7 +43,7 @@ _FLAT = 0.5  # display value of what is shown but has no normal: the middle of a
 class VolumeRecipe:
     """All that shading voxels takes but the voxels: the same for a volume, a slab or a block."""
 
-    shape: Volume
+    shape: Grid
     function: Callable[..., Any]
     options: Mapping[str, Any]
     light: Any
@@ -100,7 +102,7 @@ class VolumeRecipe:
         low, high : (z, y, x)
             The box.
         """
-        limits = self.shape.values.shape
+        limits = self.shape.counts
         # One voxel further, neighbours compare their normals; two, they may be shown themselves,
         # and three, others make them neighbours of what is shown.
         begin, end = _wider(low, high, BESIDE, limits)
@@ -166,7 +168,7 @@ def _box(low: Triple, high: Triple, corner: Triple) -> tuple[slice, ...]:
 
 
 def volume_recipe(
-    shape: Volume,
+    shape: Grid,
     method: str,
     *,
     transfer: str | TransferFunction | None,

@@ -9,21 +9,39 @@ import tomllib
 import warnings
 from collections.abc import Mapping
 from importlib import resources
-from typing import TYPE_CHECKING
+from typing import Any, Protocol
 
 import numpy as np
 
-from meshdepict.color.transfer_function import AIR, TransferFunction
+from meshdepict.color.hounsfield import AIR
+from meshdepict.color.transfer_function import TransferFunction
 from meshdepict.errors import MeshdepictError, MeshdepictWarning
 from meshdepict.options import nearest
-
-if TYPE_CHECKING:
-    from meshdepict.shapes.volume import Volume
 
 __all__ = ["PRESETS", "TransferFunction", "for_volume", "landmarks", "preset"]
 
 PRESETS = ("bone", "skin", "muscle", "lung", "micro-ct")
 """Names of the transfer functions in Hounsfield units that come with the program."""
+
+
+class Measured(Protocol):
+    """A volume as far as its numbers tell what they mean."""
+
+    hounsfield: bool
+    values: Any
+
+    @property
+    def unit(self) -> str:
+        """Return "HU" or "raw"."""
+
+    @property
+    def range(self) -> tuple[float, float]:
+        """Smallest and largest value."""
+
+    @property
+    def n_samples(self) -> int:
+        """Number of voxels."""
+
 
 _SAMPLE = 1 << 20  # voxels that the median of air and object is taken from
 
@@ -53,7 +71,7 @@ def _presets() -> Mapping[str, TransferFunction]:
 
 def for_volume(
     transfer: str | os.PathLike[str] | TransferFunction,
-    volume: Volume,
+    volume: Measured,
     *,
     slope: float | None = None,
     intercept: float | None = None,
@@ -106,6 +124,12 @@ def for_volume(
             stacklevel=2,
         )
         return transfer.in_raw_numbers(1.0, 0.0)
+    if volume.values is None:
+        raise MeshdepictError(
+            "the volume doesn't say its unit, and its numbers aren't at hand, but "
+            f"{transfer.name!r} is in Hounsfield units: say hounsfield=True, or take a function of "
+            "raw numbers"
+        )
     air, material = landmarks(volume)
     slope = (transfer.material - AIR) / (material - air)
     intercept = AIR - slope * air
@@ -119,7 +143,7 @@ def for_volume(
     return transfer.in_raw_numbers(slope, intercept)
 
 
-def landmarks(volume: Volume) -> tuple[float, float]:
+def landmarks(volume: Measured) -> tuple[float, float]:
     """Return the median values of air and of the object: below and above Otsu's threshold.
 
     Taken from every k-th voxel along each axis, about a million in all.

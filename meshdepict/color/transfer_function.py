@@ -13,20 +13,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from meshdepict.color.hounsfield import AIR, check_rescale
 from meshdepict.errors import MeshdepictError
 from meshdepict.files.atomic import atomic_write
 from meshdepict.options import nearest
-from meshdepict.surface.mesh_input import frozen
-from meshdepict.voxels.volume_input import check_rescale
+from meshdepict.scene.vectors import frozen
 
-__all__ = ["AIR", "TransferFunction"]
+__all__ = ["TransferFunction"]
 
 Floats = NDArray[np.float32]
 
 _KEYS = ("name", "unit", "material", "points", "gradient_opacity")
-AIR = -1000.0
-"""CT number of air in Hounsfield units."""
-
 _SOFT_TISSUE = 40.0  # HU
 _PART = 1 << 13  # values looked up in one go: what NumPy makes of them stays in the cache
 

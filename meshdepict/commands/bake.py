@@ -9,8 +9,8 @@ from cyclopts import Parameter
 
 from meshdepict import threads
 from meshdepict.commands import parameters
-from meshdepict.commands.console import FAULT
 from meshdepict.commands.parameters import FILES, LOOK
+from meshdepict.console import FAULT
 from meshdepict.errors import MeshdepictError
 
 __all__ = ["bake"]
@@ -74,9 +74,9 @@ def bake(
     colormap2d
         Colours for two lights, the other one 90° clockwise: dusk, earth or swiss.
     """
+    from meshdepict.baking.batch import Batch, check_settings
     from meshdepict.baking.recipe import load_recipe, merge_recipe
     from meshdepict.baking.recipe import save_recipe as write_recipe
-    from meshdepict.commands.batch import Batch, check_settings
     from meshdepict.drawing.figure import Figure
 
     threads.limit(cores)

@@ -9,8 +9,8 @@ from cyclopts import Parameter
 
 from meshdepict import threads
 from meshdepict.commands import parameters
-from meshdepict.commands.console import notes, progress_bar
 from meshdepict.commands.parameters import DETAIL, FILES, LOOK
+from meshdepict.console import notes, progress_bar
 from meshdepict.errors import MeshdepictError
 
 __all__ = ["compare"]
@@ -71,8 +71,8 @@ def compare(
     winding
         auto: turn faces that look inwards before shading; keep: believe the file.
     """
-    from meshdepict.commands.batch import stem
-    from meshdepict.commands.targets import check_target
+    from meshdepict.baking.batch import stem
+    from meshdepict.baking.targets import check_target
     from meshdepict.congruence import comparison
     from meshdepict.congruence import report as comparison_report
     from meshdepict.drawing.figure import Figure

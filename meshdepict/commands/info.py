@@ -9,7 +9,7 @@ from cyclopts import Parameter
 
 from meshdepict import threads
 from meshdepict.commands import parameters
-from meshdepict.commands.console import FAULT, about, complain, notes
+from meshdepict.console import FAULT, about, complain, notes
 from meshdepict.errors import MeshdepictError
 
 __all__ = ["info"]

@@ -70,8 +70,8 @@ def movie(
     fps
         Frames per second.
     """
-    from meshdepict.commands.console import notes, progress_bar
-    from meshdepict.commands.targets import check_target
+    from meshdepict.baking.targets import check_target
+    from meshdepict.console import notes, progress_bar
     from meshdepict.drawing.figure import Figure
     from meshdepict.drawing.movie import check_movie, save_movie
     from meshdepict.viewer.session import Session

@@ -205,8 +205,8 @@ def as_numbers(text: str, option: str, count: int) -> tuple[float, ...]:
 
 def method_options(method: str, given: Sequence[str]) -> dict[str, Any]:
     """Return the method's options from ``name=value`` texts, checked."""
-    from meshdepict.baking.surfaces import find_method
     from meshdepict.options import check
+    from meshdepict.shading.registry import find_method
 
     function = find_method(method)
     texts = {}

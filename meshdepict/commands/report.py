@@ -18,8 +18,8 @@ __all__ = ["info", "method", "methods", "predicted"]
 
 def methods() -> str:
     """Return every method's name, summary and paper."""
-    from meshdepict.shading import METHODS
     from meshdepict.shading.method import declaration
+    from meshdepict.shading.registry import METHODS
 
     rows = []
     for name, function in METHODS.items():
@@ -29,9 +29,9 @@ def methods() -> str:
 
 def method(name: str) -> str:
     """Return what there is to know about one method: its paper, its scales, its options."""
-    from meshdepict.baking.surfaces import find_method
     from meshdepict.options import as_text, options_of
     from meshdepict.shading.method import declaration
+    from meshdepict.shading.registry import find_method
 
     function = find_method(name)
     declared = declaration(function)
@@ -76,7 +76,7 @@ def _volume_info(path: Path) -> str:
     from meshdepict.io.volumes import read_volume
 
     volume = read_volume(path)
-    nz, ny, nx = volume.values.shape
+    nz, ny, nx = volume.counts
     low, high = volume.range
     numbers = zip("xyz", volume.spacing, volume.outline.min(0), volume.outline.max(0), strict=True)
     box = [(a, f"{s:.6g}", f"{least:.6g} … {most:.6g}") for a, s, least, most in numbers]

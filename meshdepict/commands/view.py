@@ -10,8 +10,8 @@ from cyclopts import Parameter
 
 from meshdepict import threads
 from meshdepict.commands import parameters
-from meshdepict.commands.console import complain, notes, progress_bar
 from meshdepict.commands.parameters import FILES
+from meshdepict.console import complain, notes, progress_bar
 from meshdepict.errors import MeshdepictError
 
 __all__ = ["view"]
@@ -60,7 +60,7 @@ def view(
     frames
         Draw so many frames off screen and end.
     """
-    from meshdepict.commands.batch import stem
+    from meshdepict.baking.batch import stem
 
     threads.limit(cores)
     if not browser:

@@ -10,8 +10,8 @@ from cyclopts import Parameter
 
 from meshdepict import threads
 from meshdepict.commands import parameters
-from meshdepict.commands.console import notes, progress_bar
 from meshdepict.commands.parameters import FILES, LOOK
+from meshdepict.console import notes, progress_bar
 from meshdepict.errors import MeshdepictError
 
 __all__ = ["volume"]
@@ -181,7 +181,7 @@ def _check_targets(
     output: Path | None, pictures: tuple[Path | None, ...], *, mesh: bool, force: bool
 ) -> None:
     """Refuse what can't be written, before anything is read."""
-    from meshdepict.commands.targets import check_target
+    from meshdepict.baking.targets import check_target
     from meshdepict.drawing.picture import check_picture
     from meshdepict.io.source import WRITABLE, suffix_of
     from meshdepict.io.volumes import WRITABLE_VOLUMES

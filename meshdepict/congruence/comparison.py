@@ -12,15 +12,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshdepict import color
-from meshdepict.baking.surfaces import as_mesh, find_method
+from meshdepict.baking.surfaces import as_mesh
 from meshdepict.congruence.judging import Judge, light_directions, picture
 from meshdepict.errors import MeshdepictError
 from meshdepict.options import as_text, check, options_of
 from meshdepict.scales.ladder import Progress
-from meshdepict.scales.space import scale_space
-from meshdepict.scene.light import Light, as_light
+from meshdepict.scales.making import scale_space
+from meshdepict.scene.light import Light
+from meshdepict.scene.names import as_light
 from meshdepict.scene.view import View
 from meshdepict.shading.method import declaration
+from meshdepict.shading.registry import find_method
 from meshdepict.shapes.gbuffer import GBuffer
 
 if TYPE_CHECKING:

@@ -16,7 +16,8 @@ from numpy.typing import ArrayLike, NDArray
 from meshdepict.congruence.contours import connected, mean_slopes, whole_windows
 from meshdepict.congruence.picture_input import checked_mask, checked_picture
 from meshdepict.congruence.structure_tensor import StructureTensor, reach, structure_tensor
-from meshdepict.scene.light import Light, as_light
+from meshdepict.scene.light import Light
+from meshdepict.scene.names import as_light
 
 if TYPE_CHECKING:
     from meshdepict.scene.view import View

@@ -11,10 +11,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from meshdepict import __version__
 from meshdepict.congruence.comparison import Comparison, light_name, options_text
 from meshdepict.errors import MeshdepictError
 from meshdepict.files.atomic import atomic_write
+from meshdepict.files.mark import SOFTWARE, VERSION
 
 if TYPE_CHECKING:
     from PIL.Image import Image
@@ -25,7 +25,6 @@ _MARGIN = 8
 _WIDEST = 16_000  # pixels: beyond it many programs give up on a PNG
 # Distinct for colour-blind eyes too (Okabe and Ito 2008).
 _COLORS = ("#000000", "#E69F00", "#56B4E9", "#009E73", "#D55E00", "#CC79A7", "#0072B2", "#999999")
-_SOFTWARE = f"meshdepict {__version__}"
 
 
 def contact_sheet(found: Comparison, *, cell: int = 200) -> Image:
@@ -122,7 +121,7 @@ def score_plot(found: Comparison) -> bytes:
     axes.legend(fontsize=8, loc="lower left")
     stream = io.BytesIO()
     # Without a date the same comparison gives the same bytes.
-    figure.savefig(stream, format="svg", metadata={"Date": None, "Creator": _SOFTWARE})
+    figure.savefig(stream, format="svg", metadata={"Date": None, "Creator": SOFTWARE})
     return stream.getvalue()
 
 
@@ -152,7 +151,7 @@ def save_page(found: Comparison, path: str | Path, *, title: str = "") -> Path:
     )
     name = html.escape(title or "Comparison of shading methods")
     page = _PAGE.format(
-        title=name, software=_SOFTWARE, head=cells, rows=rows,
+        title=name, software=SOFTWARE, head=cells, rows=rows,
         plot=_image(score_plot(found), "scores over lights", "svg+xml"),
         sheet=_image(sheet.getvalue(), "contact sheet"), maps=maps,
         worst=html.escape(worst), facts=facts,
@@ -167,7 +166,7 @@ def _facts(found: Comparison) -> dict[str, str]:
     settings = {name: value for name, value in found.settings.items() if value is not None}
     height, width = found.pictures.shape[2:4]
     return {
-        "version": __version__,
+        "version": VERSION,
         "comparison": ", ".join(found.methods),
         **{
             f"options of {name}": options_text(options)

@@ -7,13 +7,12 @@ positive, and the unit is one over pixels.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 from meshdepict.curvature.principal import ESTIMATORS, PrincipalCurvatures, principal_curvatures
 from meshdepict.curvature.view import ViewCurvature
 
 if TYPE_CHECKING:
-    from meshdepict.scales.space import ScaleSpace
     from meshdepict.scene.view import View
 
 __all__ = [
@@ -25,8 +24,17 @@ __all__ = [
 ]
 
 
+class Bending(Protocol):
+    """A scale space, as far as an eye sees it bend."""
+
+    def view_curvature(
+        self, view: View | str, scale: int = 1, *, foreshortening: float = 1.0
+    ) -> ViewCurvature:
+        """Return the curvature of a scale as an eye sees it."""
+
+
 def view_curvature(
-    space: ScaleSpace, view: View | str, *, scale: int = 1, foreshortening: float = 1.0
+    space: Bending, view: View | str, *, scale: int = 1, foreshortening: float = 1.0
 ) -> ViewCurvature:
     """Return the curvature of a scale space's surface as an eye sees it, per pixel.
 

@@ -54,7 +54,7 @@ def quadric_curvatures(
     radius : float or str, optional
         In world units, or "0.2%" of the diagonal; five median edges unless given.
     """
-    from meshdepict.scales.ladder import resolve_width
+    from meshdepict.shapes.lengths import resolve_width
 
     surface = Welded(mesh)
     unit = mesh.diagonal or 1.0

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from meshdepict.drawing.display import check_opengl
 
 if TYPE_CHECKING:
-    from meshdepict.baking.baked import Baked
+    from meshdepict.drawing.painted import Painted
     from meshdepict.scene.view import View
 
 __all__ = ["Canvas", "canvas", "on_ground", "only_errors", "place", "unit_polydata"]
@@ -27,7 +27,7 @@ _SIDE = 16384
 class Canvas:
     """An off-screen window with one shape in it; see `canvas`."""
 
-    def __init__(self, baked: Baked, size: tuple[int, int], samples: int) -> None:
+    def __init__(self, baked: Painted, size: tuple[int, int], samples: int) -> None:
         import pyvista as pv
 
         self.shape = baked.shape
@@ -76,12 +76,12 @@ class Canvas:
 
 
 @contextmanager
-def canvas(baked: Baked, size: tuple[int, int], *, samples: int = 3) -> Iterator[Canvas]:
+def canvas(baked: Painted, size: tuple[int, int], *, samples: int = 3) -> Iterator[Canvas]:
     """Give a canvas for a bake, and close it.
 
     Parameters
     ----------
-    baked : Baked
+    baked : Painted
     size : (int, int)
         Width and height in pixels.
     samples : int
@@ -113,7 +113,7 @@ def on_ground(premultiplied: Any, ground: tuple[int, int, int] | None) -> Any:
     return np.concatenate((plain, coverage), axis=2)
 
 
-def unit_polydata(baked: Baked) -> Any:
+def unit_polydata(baked: Painted) -> Any:
     """Return a bake as ``pyvista.PolyData`` in its own diagonals, about the origin.
 
     Graphics cards compute in single precision: far from the origin a picture would crumble.

@@ -12,13 +12,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshdepict.errors import MeshdepictError
+from meshdepict.files.mark import MARK
 
 if TYPE_CHECKING:
     from scipy.spatial import KDTree
 
 __all__ = ["gif_speed", "read_movie_provenance", "require_encoder", "write_gif", "write_mp4"]
 
-_MARK = "meshdepict "
 _QUALITY = "16"  # of x264's 0 … 51: fine texture stays, a file is a few megabytes
 # Where a comment lies in an MP4: the atom ©cmt, in it the atom data, its type and its language.
 _COMMENT = b"\xa9cmt"
@@ -143,7 +143,7 @@ def read_movie_provenance(path: str | Path) -> list[str] | None:
     except (OSError, SyntaxError, ValueError, Image.DecompressionBombError):
         return None
     said = text.decode(errors="replace").splitlines()
-    return [line for line in said if line.startswith(_MARK)] or None
+    return [line for line in said if line.startswith(MARK)] or None
 
 
 def _palette(samples: Sequence[Any]) -> NDArray[np.uint8]:

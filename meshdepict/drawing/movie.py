@@ -17,7 +17,7 @@ from meshdepict.errors import MeshdepictError
 from meshdepict.scene.view import View
 
 if TYPE_CHECKING:
-    from meshdepict.viewer.session import Session
+    from meshdepict.drawing.painted import Turnable
 
 __all__ = ["check_movie", "save_movie"]
 
@@ -27,7 +27,7 @@ _USUAL = Figure(size=(800, 800))
 
 
 def save_movie(
-    session: Session,
+    session: Turnable,
     path: str | Path,
     *,
     turn: str = "object",
@@ -41,7 +41,7 @@ def save_movie(
 
     Parameters
     ----------
-    session : Session
+    session : Turnable
         What is shown, as it begins; it is left as it was.
     path : path
         .mp4 (H.264, which every player knows) or .gif.
@@ -146,12 +146,12 @@ def check_movie(
     return count
 
 
-def _circle(session: Session, light: Any, framing: Framing, _: str, angle: float) -> View:
+def _circle(session: Turnable, light: Any, framing: Framing, _: str, angle: float) -> View:
     session.shine(circling(light, framing.view, angle))
     return framing.view
 
 
-def _round(session: Session, light: Any, framing: Framing, fixed: str, angle: float) -> View:
+def _round(session: Turnable, light: Any, framing: Framing, fixed: str, angle: float) -> View:
     eye = turned(framing.view, angle)
     session.look(eye)
     if fixed == "eye":

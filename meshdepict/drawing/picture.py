@@ -13,9 +13,10 @@ from meshdepict.drawing.figure import Figure
 from meshdepict.drawing.framing import Framing, frame
 from meshdepict.drawing.scale_bar import draw_scale_bar
 from meshdepict.errors import MeshdepictError
+from meshdepict.files.mark import MARK
 
 if TYPE_CHECKING:
-    from meshdepict.baking.baked import Baked
+    from meshdepict.drawing.painted import Painted
 
 __all__ = [
     "check_picture",
@@ -27,10 +28,8 @@ __all__ = [
     "write_picture",
 ]
 
-_MARK = "meshdepict "  # how the keywords of this program's texts in a PNG begin
 
-
-def plot(baked: Baked, **plotter: Any) -> Any:
+def plot(baked: Painted, **plotter: Any) -> Any:
     """Return a ``pyvista.Plotter`` that shows the bake; keywords go to the plotter."""
     import pyvista as pv
 
@@ -47,7 +46,7 @@ def plot(baked: Baked, **plotter: Any) -> Any:
 
 
 def save_picture(
-    baked: Baked, path: str | Path, figure: Figure | None = None, **layout: Any
+    baked: Painted, path: str | Path, figure: Figure | None = None, **layout: Any
 ) -> Path:
     """Render a PNG off screen and put it in place once it is complete.
 
@@ -69,7 +68,7 @@ def save_picture(
     return write_picture(image, path, baked.provenance, figure.dpi)
 
 
-def save_image(baked: Baked, path: str | Path, *, background: str = "white") -> Path:
+def save_image(baked: Painted, path: str | Path, *, background: str = "white") -> Path:
     """Write the pixels of a baked image as a PNG, just as they are.
 
     Raises
@@ -102,7 +101,7 @@ def write_picture(
 
     texts = PngInfo()
     for key, text in facts.items():
-        texts.add_text(_MARK + key, text)
+        texts.add_text(MARK + key, text)
     with atomic_write(Path(path)) as stream:
         image.save(stream, format="PNG", pnginfo=texts, **({"dpi": (dpi, dpi)} if dpi else {}))
     return Path(path)
@@ -135,4 +134,4 @@ def read_picture_provenance(path: str | Path) -> list[str] | None:
             texts = getattr(image, "text", {})
     except (OSError, SyntaxError, ValueError, Image.DecompressionBombError):
         return None  # whatever it is, this program didn't write it
-    return [f"{key}: {text}" for key, text in texts.items() if key.startswith(_MARK)] or None
+    return [f"{key}: {text}" for key, text in texts.items() if key.startswith(MARK)] or None

@@ -13,11 +13,12 @@ from typing import Any
 import numpy as np
 
 from meshdepict.errors import MeshdepictError
-from meshdepict.viewer.live.live_method import Uniforms
 
-__all__ = ["MOST_LIGHTS", "SURROUNDINGS", "assemble", "caught_errors", "set_uniforms"]
+__all__ = ["MOST_LIGHTS", "SURROUNDINGS", "Uniforms", "assemble", "caught_errors", "set_uniforms"]
 
 MOST_LIGHTS = 8
+
+Uniforms = dict[str, Any]  # float, int, tuple: a vector, list: numbers, (k, 4, 4) array: matrices
 
 # What every method's GLSL finds: VTK declares the uniforms themselves.
 SURROUNDINGS = """

@@ -9,7 +9,7 @@ import numpy as np
 from meshdepict.errors import MeshdepictError
 
 if TYPE_CHECKING:
-    from meshdepict.baking.volumes import BakedVolume
+    from meshdepict.drawing.painted import PaintedVolume
 
 __all__ = ["AXES", "draw_slice"]
 
@@ -17,12 +17,12 @@ AXES = ("x", "y", "z")
 _DARKEST, _BRIGHTEST = 0.5, 99.5  # percentiles of the slice that are shown black and white
 
 
-def draw_slice(baked: BakedVolume, axis: str, share: float) -> Any:
+def draw_slice(baked: PaintedVolume, axis: str, share: float) -> Any:
     """Return a ``PIL.Image`` of one slice of the grid, in its own proportions.
 
     Parameters
     ----------
-    baked : BakedVolume
+    baked : PaintedVolume
     axis : {"x", "y", "z"}
         Which of the grid's axes the slice is perpendicular to.
     share : float
@@ -41,7 +41,7 @@ def draw_slice(baked: BakedVolume, axis: str, share: float) -> Any:
     if isinstance(share, bool) or not 0 <= share <= 1:
         raise MeshdepictError(f"a slice lies at a share from 0 to 1 of the axis, not at {share!r}")
     along = 2 - AXES.index(axis)
-    number = round(share * (volume.values.shape[along] - 1))
+    number = round(share * (volume.counts[along] - 1))
     values = np.take(volume.values, number, axis=along).astype(np.float64)
     rgba = np.take(baked.rgba, number, axis=along).astype(np.float64)
     low, high = np.percentile(values, (_DARKEST, _BRIGHTEST))

@@ -21,13 +21,13 @@ from meshdepict.errors import MeshdepictError
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from meshdepict.baking.volumes import BakedVolume
+    from meshdepict.drawing.painted import PaintedVolume
 
 __all__ = ["draw_volume", "save_volume_picture"]
 
 
 def draw_volume(
-    baked: BakedVolume,
+    baked: PaintedVolume,
     figure: Figure | None = None,
     *,
     plain: bool = False,
@@ -37,7 +37,7 @@ def draw_volume(
 
     Parameters
     ----------
-    baked : BakedVolume
+    baked : PaintedVolume
     figure : Figure, optional
         1000 x 1000 pixels on white unless given.
     plain : bool
@@ -74,7 +74,7 @@ def draw_volume(
 
 
 def save_volume_picture(
-    baked: BakedVolume,
+    baked: PaintedVolume,
     path: str | Path,
     figure: Figure | None = None,
     *,
@@ -98,7 +98,7 @@ def save_volume_picture(
 
 
 def _drawn(
-    add: Callable[[Any], Any], baked: BakedVolume, framing: Framing, planes: Sequence[Any]
+    add: Callable[[Any], Any], baked: PaintedVolume, framing: Framing, planes: Sequence[Any]
 ) -> NDArray[np.uint8]:
     """Draw what is added to a window, in a view: colour times coverage, and coverage."""
     import pyvista as pv

@@ -21,7 +21,7 @@ from meshdepict.drawing.empty_space import BLOCK, clearance
 from meshdepict.errors import MeshdepictError
 
 if TYPE_CHECKING:
-    from meshdepict.shapes.volume import Volume
+    from meshdepict.voxels.grid import Grid
 
 __all__ = ["LEVELS", "march", "refill", "volume_actor"]
 
@@ -101,7 +101,7 @@ matter_before = matter;
 """
 
 
-def volume_actor(values: NDArray[Any], volume: Volume, corner: Any = (0, 0, 0)) -> Any:
+def volume_actor(values: NDArray[Any], volume: Grid, corner: Any = (0, 0, 0)) -> Any:
     """Return a ``vtkVolume`` of voxels, in the volume's diagonals about the origin.
 
     Parameters
@@ -131,7 +131,7 @@ def volume_actor(values: NDArray[Any], volume: Volume, corner: Any = (0, 0, 0)) 
 
 def march(
     actor: Any,
-    volume: Volume,
+    volume: Grid,
     levels: NDArray[Any],
     classes: NDArray[np.float32],
     light: str,
@@ -210,12 +210,12 @@ def _table(*parts: NDArray[np.float32]) -> NDArray[np.float32]:
     return table.reshape(*shape, 4)
 
 
-def _voxel(volume: Volume) -> float:
+def _voxel(volume: Grid) -> float:
     """Return the smallest spacing, in diagonals."""
     return float(volume.spacing.min()) / (volume.diagonal or 1.0)
 
 
-def refill(actor: Any, values: NDArray[Any], volume: Volume) -> None:
+def refill(actor: Any, values: NDArray[Any], volume: Grid) -> None:
     """Give an actor other values of the same voxels."""
     image = actor.GetMapper().GetInput()
     image.point_data["values"][:] = _right_handed(values, volume)
@@ -223,14 +223,14 @@ def refill(actor: Any, values: NDArray[Any], volume: Volume) -> None:
     image.Modified()
 
 
-def _right_handed(values: NDArray[Any], volume: Volume) -> NDArray[Any]:
+def _right_handed(values: NDArray[Any], volume: Grid) -> NDArray[Any]:
     """Return the rows of a grid's voxels, along x the other way where it is left-handed."""
     if np.linalg.det(volume.direction) < 0:
         values = values[:, :, ::-1]
     return values.reshape(values.shape[0] * values.shape[1] * values.shape[2], -1)
 
 
-def _unit_image(values: NDArray[Any], volume: Volume, corner: Any) -> Any:
+def _unit_image(values: NDArray[Any], volume: Grid, corner: Any) -> Any:
     """Return voxels as ``pyvista.ImageData``, always on a right-handed grid.
 
     VTK's ray caster would draw a left-handed one inside out.

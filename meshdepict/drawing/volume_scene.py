@@ -16,10 +16,10 @@ from meshdepict import color
 from meshdepict.drawing.volume_rays import LEVELS, march, refill, volume_actor
 
 if TYPE_CHECKING:
-    from meshdepict.baking.volumes import BakedVolume
     from meshdepict.color.transfer_function import TransferFunction
+    from meshdepict.drawing.painted import PaintedVolume
     from meshdepict.scales.grid_scales import GridSpace
-    from meshdepict.shapes.volume import Volume
+    from meshdepict.voxels.grid import Grid
 
 __all__ = [
     "BakedTexture",
@@ -65,7 +65,7 @@ class BakedTexture(NamedTuple):
     corner: tuple[int, int, int]
 
 
-def texture(baked: BakedVolume) -> BakedTexture:
+def texture(baked: PaintedVolume) -> BakedTexture:
     """Return light, levels and their meaning, of the box that is shown.
 
     Levels stand for CT numbers. Where the transfer function also asks for the gradient, which is
@@ -112,7 +112,7 @@ def levels_of(values: NDArray[Any], window: tuple[float, float]) -> NDArray[np.f
     return levels
 
 
-def transfer_window(transfer: TransferFunction, volume: Volume) -> tuple[float, float]:
+def transfer_window(transfer: TransferFunction, volume: Grid) -> tuple[float, float]:
     """Return the CT numbers that levels stand for: all, but for metal far beyond the function's.
 
     What was cut off at the numbers where opacity begins and ends could not be interpolated: the
@@ -131,26 +131,26 @@ def sample_box(space: GridSpace) -> tuple[slice, slice, slice]:
     """
     parts = [part for part in (space._samples, space.flat) if len(part)]
     low = np.maximum(np.min([part.low for part in parts], axis=0) - 1, 0)
-    high = np.minimum(np.max([part.high for part in parts], axis=0) + 1, space.shape.values.shape)
+    high = np.minimum(np.max([part.high for part in parts], axis=0) + 1, space.shape.counts)
     a, b, c = (slice(int(x), int(y)) for x, y in zip(low, high, strict=True))
     return a, b, c
 
 
-def _box(baked: BakedVolume) -> tuple[slice, slice, slice]:
+def _box(baked: PaintedVolume) -> tuple[slice, slice, slice]:
     if baked.space is not None:
         return sample_box(baked.space)
-    nz, ny, nx = baked.shape.values.shape
+    nz, ny, nx = baked.shape.counts
     return slice(0, nz), slice(0, ny), slice(0, nx)
 
 
-def _colors(baked: BakedVolume, box: tuple[slice, slice, slice]) -> NDArray[np.uint8]:
+def _colors(baked: PaintedVolume, box: tuple[slice, slice, slice]) -> NDArray[np.uint8]:
     """Return colours and opacity as baked; black as 1, as 0 stands for what was not shaded."""
     values = baked.rgba[box].copy()
     np.maximum(values[..., :3], 1, out=values[..., :3])
     return values
 
 
-def _light(baked: BakedVolume, box: tuple[slice, slice, slice]) -> NDArray[np.uint8]:
+def _light(baked: PaintedVolume, box: tuple[slice, slice, slice]) -> NDArray[np.uint8]:
     """Return an array of the box with the display values of what the method returned."""
     space = baked.space
     assert space is not None
@@ -159,7 +159,7 @@ def _light(baked: BakedVolume, box: tuple[slice, slice, slice]) -> NDArray[np.ui
     size = (box[0].stop - low[0], box[1].stop - low[1], box[2].stop - low[2])
     values = np.zeros((*size, 4), np.uint8)
     flat = values.reshape(-1, 4)
-    encoded = color.encode(baked.intensity, linear=baked._recipe.linear)
+    encoded = color.encode(baked.intensity, linear=baked.linear)
     # 0 stands for what was not shaded: between hidden voxels is nothing, whatever the transfer
     # function says of the numbers in between.
     flat[space._samples.flat(size, low), :3] = np.maximum(encoded, 1)
@@ -171,7 +171,7 @@ def _light(baked: BakedVolume, box: tuple[slice, slice, slice]) -> NDArray[np.ui
 # --- actors -----------------------------------------------------------------------------------
 
 
-def add_baked(window: Any, baked: BakedVolume) -> Any:
+def add_baked(window: Any, baked: PaintedVolume) -> Any:
     """Add a bake to a plotter, the transfer function asked where rays pass; return the actor."""
     found = texture(baked)
     actor = volume_actor(found.values, baked.shape, found.corner)
@@ -180,12 +180,12 @@ def add_baked(window: Any, baked: BakedVolume) -> Any:
     return actor
 
 
-def repaint(actor: Any, baked: BakedVolume) -> None:
+def repaint(actor: Any, baked: PaintedVolume) -> None:
     """Give an actor of `add_baked` the light of another bake of the same scale space."""
     refill(actor, texture(baked).values, baked.shape)
 
 
-def add_rgba(window: Any, baked: BakedVolume) -> Any:
+def add_rgba(window: Any, baked: PaintedVolume) -> Any:
     """Add a bake to a plotter without a shader of this program's; return the actor.
 
     Colours are those of voxels, interpolated; opacity follows from the CT number all the same.
@@ -201,7 +201,7 @@ def add_rgba(window: Any, baked: BakedVolume) -> Any:
     return actor
 
 
-def add_plain(window: Any, volume: Volume, transfer: TransferFunction) -> Any:
+def add_plain(window: Any, volume: Grid, transfer: TransferFunction) -> Any:
     """Add a volume to a plotter with VTK's own shading, for comparison; return the actor."""
     from vtkmodules.vtkRenderingCore import vtkColorTransferFunction
 

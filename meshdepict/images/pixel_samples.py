@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from meshdepict.errors import MeshdepictError
-from meshdepict.shapes.pixels import depth_ratio, depth_steps, pixel_sizes, positions
-from meshdepict.surface.mesh_input import frozen
+from meshdepict.images.pixels import depth_ratio, depth_steps, pixel_sizes, positions
+from meshdepict.scene.vectors import frozen
 
 if TYPE_CHECKING:
     from meshdepict.scene.view import View

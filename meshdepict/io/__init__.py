@@ -16,8 +16,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from meshdepict.errors import MeshdepictError
 from meshdepict.files.atomic import atomic_write
+from meshdepict.files.mark import MARK
 from meshdepict.io.source import FORMATS, WRITABLE, format_of, opened, suffix_of
-from meshdepict.shapes.document import MARK, Saving
+from meshdepict.shapes.document import Saving
 
 if TYPE_CHECKING:
     from collections.abc import Iterable

@@ -160,7 +160,7 @@ def _built(mesh: Mesh, saving: Saving) -> tuple[dict[str, Any], bytes]:
         (mesh.faces.astype("<u4").reshape(-1, 1), "SCALAR", _ELEMENT_BUFFER, {}),
     ]
     attributes = {"POSITION": 0}
-    colors = only_colors(mesh, saving, "glTF")
+    colors = only_colors(mesh.attributes["vertex"], mesh.document, saving, "glTF")
     if colors is not None:
         linear = np.full((len(colors), 4), 65535, "<u2")  # four, so that rows start at words
         linear[:, :3] = np.rint(65535 * srgb_to_linear(colors / 255))

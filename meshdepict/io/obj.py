@@ -11,12 +11,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshdepict.errors import MeshdepictError
+from meshdepict.files.mark import MARK
 from meshdepict.io import text
 from meshdepict.io.obj_faces import parse_faces
 from meshdepict.io.obj_lines import Lines, joined, line_end, table
 from meshdepict.shapes.document import (
     COLOR,
-    MARK,
     Contents,
     Document,
     Saving,
@@ -106,7 +106,7 @@ def decode(data: bytes, path: Path) -> Contents:
 
 def encode(file: BinaryIO, mesh: Mesh, saving: Saving) -> None:
     """Write a mesh: the file that it was read from with colours after x, y, z, or a new file."""
-    colors = only_colors(mesh, saving, "OBJ")
+    colors = only_colors(mesh.attributes["vertex"], mesh.document, saving, "OBJ")
     polygons = mesh.polygons or as_polygons(mesh.faces)
     document = mesh.document
     if isinstance(document, ObjDocument) and document.describes(mesh.vertices, polygons):

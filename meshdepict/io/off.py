@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshdepict.errors import MeshdepictError
+from meshdepict.files.mark import MARK
 from meshdepict.io import text
 from meshdepict.shapes.document import (
     COLOR,
-    MARK,
     Contents,
     Document,
     Saving,
@@ -196,7 +196,7 @@ def _binary_faces(words: NDArray[np.int32], count: int, *, colored: bool) -> Pol
 
 def encode(file: BinaryIO, mesh: Mesh, saving: Saving) -> None:
     """Write OFF, or COFF where there are colours; coordinates read back bit for bit."""
-    colors = only_colors(mesh, saving, "OFF")
+    colors = only_colors(mesh.attributes["vertex"], mesh.document, saving, "OFF")
     polygons = mesh.polygons or as_polygons(mesh.faces)
     file.write(b"COFF\n" if colors is not None else b"OFF\n")
     file.writelines(f"# {line}\n".encode() for line in saving.comments)

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from typing import BinaryIO
 
 from meshdepict.errors import MeshdepictError
-from meshdepict.shapes.document import MARK
+from meshdepict.files.mark import MARK
 
 __all__ = ["Element", "Header", "Property", "fresh_header", "parse_header", "read_header"]
 

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import re
 import warnings
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO
@@ -14,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshdepict.errors import MeshdepictError, MeshdepictWarning
+from meshdepict.files.vtk_errors import vtk_errors
 from meshdepict.io.ply_properties import exact_float
 from meshdepict.shapes.document import COLOR, Contents, Document, Saving, recolored
 from meshdepict.surface.polygons import Polygons, as_polygons
@@ -85,31 +84,11 @@ def _polydata(data: bytes) -> Any:
     reader: Any = vtkXMLPolyDataReader()
     reader.SetReadFromInputString(True)  # noqa: FBT003
     reader.SetInputString(data)
-    with _vtk_errors() as errors:
+    with vtk_errors() as errors:
         reader.Update()
     if errors:
         raise MeshdepictError(f"is wrong as VTP: {errors[0]}")
     return reader.GetOutput()
-
-
-@contextmanager
-def _vtk_errors() -> Iterator[list[str]]:
-    """Collect what VTK would print on stderr."""
-    from vtkmodules.vtkCommonCore import vtkLogger, vtkOutputWindow, vtkStringOutputWindow
-
-    found: list[str] = []
-    window, before = vtkStringOutputWindow(), vtkOutputWindow.GetInstance()
-    verbosity = vtkLogger.GetCurrentVerbosityCutoff()
-    vtkOutputWindow.SetInstance(window)
-    vtkLogger.SetStderrVerbosity(vtkLogger.VERBOSITY_OFF)
-    try:
-        yield found
-    finally:
-        vtkLogger.SetStderrVerbosity(verbosity)
-        vtkOutputWindow.SetInstance(before)
-        for told in window.GetOutput().split("ERROR:")[1:]:
-            line = [*told.splitlines(), ""][1]  # the first names VTK's source file
-            found.append(re.sub(r"\s*\(0x\w+\)", "", line))
 
 
 def _geometry(poly: Any) -> tuple[NDArray[Any], Polygons, NDArray[np.int64]]:
@@ -186,7 +165,7 @@ def encode(file: BinaryIO, mesh: Mesh, saving: Saving) -> None:
     writer.SetInputData(poly)
     writer.SetWriteToOutputString(True)  # noqa: FBT003
     writer.SetDataModeToBinary()
-    with _vtk_errors() as errors:
+    with vtk_errors() as errors:
         writer.Write()
     if errors:
         raise MeshdepictError(f"VTK could not write the mesh: {errors[0]}")

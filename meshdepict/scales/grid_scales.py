@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from meshdepict.color.transfer_function import TransferFunction
     from meshdepict.curvature.principal import PrincipalCurvatures
     from meshdepict.shapes.volume import Volume
+    from meshdepict.voxels.grid import Grid
 
 __all__ = [
     "MEMORY",
@@ -66,11 +67,11 @@ class GridSpace(ScaleSpace):
         What decides which voxels are shown.
     """
 
-    shape: Volume
+    shape: Grid
 
     def __init__(
         self,
-        shape: Volume,
+        shape: Grid,
         piece: Piece,
         sums: GridSums,
         flat: Samples,
@@ -225,7 +226,7 @@ def space_of_mask(
             "voxels by a transfer function, allow more with memory=, or let bake_volume go slab by "
             "slab"
         )
-    shape = volume.values.shape
+    shape = volume.counts
     piece = Piece(volume.values, (0, 0, 0), (shape[0], shape[1], shape[2]), volume.range)
     space = piece_space(
         volume, piece, samples, widths, ratio,
@@ -242,7 +243,7 @@ def sample_bytes(count: int) -> int:
 
 
 def piece_space(
-    shape: Volume,
+    shape: Grid,
     piece: Piece,
     samples: Samples,
     widths: NDArray[np.float64],

@@ -10,9 +10,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from meshdepict.errors import MeshdepictError
 from meshdepict.options import nearest
-from meshdepict.scales.ladder import Progress, check_ladder, ladder, resolve_width
+from meshdepict.scales.ladder import Progress, check_ladder, ladder
 from meshdepict.scales.space import ScaleSpace
 from meshdepict.shapes.gbuffer import GBuffer
+from meshdepict.shapes.lengths import resolve_width
 
 if TYPE_CHECKING:
     from meshdepict.curvature.principal import PrincipalCurvatures

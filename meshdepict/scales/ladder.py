@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from meshdepict.errors import MeshdepictError
 
-__all__ = ["Progress", "check_ladder", "ladder", "reporter", "resolve_width"]
+__all__ = ["Progress", "check_ladder", "ladder", "reporter"]
 
 Progress = Callable[[float, float], None]
 
@@ -29,33 +27,6 @@ def ladder(scales: int, ratio: float, first: float) -> NDArray[np.float64]:
     if not np.isfinite(widths).all():
         raise MeshdepictError(f"{scales} scales of ratio {ratio:g} grow beyond all numbers")
     return widths
-
-
-def resolve_width(width: float | str | None, shape: Any) -> float:
-    """Return a width in world units: a number, "0.2%" of the diagonal, or None.
-
-    None is the shape's own step: a mesh's median edge, a volume's largest spacing, a pixel.
-
-    Raises
-    ------
-    MeshdepictError
-        For what is no positive length.
-    """
-    if width is None:
-        return float(shape.edge_length)
-    try:
-        if isinstance(width, str) and width.strip().endswith("%"):
-            resolved = float(width.strip()[:-1]) / 100 * shape.diagonal
-        else:
-            resolved = float(width)
-    except (TypeError, ValueError):
-        resolved = math.nan
-    if not (0 < resolved < math.inf):
-        raise MeshdepictError(
-            f"width={width!r} is not a positive length, such as 0.5 (world units) or '0.2%' "
-            "(of the diagonal)"
-        )
-    return resolved
 
 
 def check_ladder(scales: int, ratio: float, facing: int, tolerance: float) -> None:

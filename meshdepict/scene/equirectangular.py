@@ -120,10 +120,10 @@ def read_radiance(path: Path) -> NDArray[np.float32]:
     from vtkmodules.util.numpy_support import vtk_to_numpy
     from vtkmodules.vtkIOImage import vtkHDRReader
 
-    from meshdepict.io.vtp import _vtk_errors
+    from meshdepict.files.vtk_errors import vtk_errors
 
     reader: Any = vtkHDRReader()
-    with _vtk_errors() as errors:
+    with vtk_errors() as errors:
         reader.SetFileName(str(path))
         reader.Update()
     image = reader.GetOutput()

@@ -1,4 +1,4 @@
-"""Where the eye is and where the light comes from: `View`, `Light` and their short names."""
+"""Where the eye is: `View`, and the views that have names."""
 
 from __future__ import annotations
 
@@ -11,34 +11,10 @@ from numpy.typing import NDArray
 
 from meshdepict.errors import MeshdepictError
 from meshdepict.options import nearest
-from meshdepict.scene.light import (
-    LIGHTS,
-    Light,
-    Lights,
-    as_light,
-    as_lighting,
-    as_lights,
-    is_several,
-    numbers_of,
-    unit,
-)
 from meshdepict.scene.upright import upright
+from meshdepict.scene.vectors import Vector, numbers_of, unit
 
-__all__ = [
-    "LIGHTS",
-    "VIEWS",
-    "Light",
-    "Lights",
-    "View",
-    "as_light",
-    "as_lighting",
-    "as_lights",
-    "as_view",
-    "is_several",
-    "named_directions",
-]
-
-Vector = NDArray[np.float64]
+__all__ = ["VIEWS", "View", "named_directions"]
 
 # Direction from the object to the eye, and up, for objects whose y axis points up.
 _VIEWS = {
@@ -185,16 +161,3 @@ def named_directions(name: str, up: str = "y") -> tuple[Vector, Vector]:
     turn = upright(up)
     towards, upwards = (turn @ np.array(v, np.float64) for v in _VIEWS[name])
     return towards, upwards
-
-
-def as_view(view: str | View, shape: Any, *, up: str = "y") -> View:
-    """Return a view: given as such or by name, then fitted to the shape.
-
-    An image is seen from where it was made: its own view is the front.
-    """
-    if isinstance(view, View):
-        return view
-    own = getattr(shape, "view", None)
-    if own is not None and view in ("front", own.name):
-        return own
-    return View.fitted(view, shape, up=up)

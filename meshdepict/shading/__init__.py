@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any
-
 from meshdepict.shading.accessibility import accessibility
 from meshdepict.shading.ambient_occlusion import ambient_occlusion
 from meshdepict.shading.aspect import aspect
@@ -20,6 +17,7 @@ from meshdepict.shading.method import Declaration, declaration
 from meshdepict.shading.normal_enhancement import normal_enhancement
 from meshdepict.shading.phong import phong
 from meshdepict.shading.radiance_scaling import radiance_scaling
+from meshdepict.shading.registry import METHODS, find_method
 from meshdepict.shading.sky_view import sky_view
 from meshdepict.shading.toon import toon
 from meshdepict.shading.unsharp_masking import unsharp_masking
@@ -34,6 +32,7 @@ __all__ = [
     "cook_torrance",
     "declaration",
     "exaggerated",
+    "find_method",
     "gooch",
     "half_lambert",
     "lambert",
@@ -49,29 +48,3 @@ __all__ = [
     "unsharp_masking",
     "view_curvature",
 ]
-
-METHODS: dict[str, Callable[..., Any]] = {
-    function.__name__: function
-    for function in (
-        exaggerated,
-        light_warping,
-        radiance_scaling,
-        light_alignment,
-        lambert,
-        half_lambert,
-        phong,
-        cook_torrance,
-        toon,
-        lit_sphere,
-        mean_curvature,
-        gooch,
-        aspect,
-        normal_enhancement,
-        unsharp_masking,
-        accessibility,
-        ambient_occlusion,
-        sky_view,
-        view_curvature,
-    )
-}
-"""Every method by name."""

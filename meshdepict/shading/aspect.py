@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshdepict.scales.space import ScaleSpace
-from meshdepict.scene.light import as_light
-from meshdepict.scene.view import View, as_view
+from meshdepict.scene.names import as_light, as_view
+from meshdepict.scene.view import View
 from meshdepict.shading.method import Exposure, exposed, method
 
 __all__ = ["aspect"]

@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from meshdepict.options import Range
 from meshdepict.scales.space import ScaleSpace
-from meshdepict.scene.light import as_lights
 from meshdepict.scene.material import CookTorrance
+from meshdepict.scene.names import as_lights
 from meshdepict.scene.view import View
 from meshdepict.shading.direct import direct
 from meshdepict.shading.features import eyes, sight

@@ -11,7 +11,8 @@ from meshdepict.errors import MeshdepictError
 from meshdepict.options import Choice, Range
 from meshdepict.scales.space import ScaleSpace
 from meshdepict.scene.material import MATERIALS, Material
-from meshdepict.scene.view import View, as_view, named_directions
+from meshdepict.scene.names import as_view
+from meshdepict.scene.view import View, named_directions
 
 __all__ = [
     "Bins",

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshdepict.scales.space import ScaleSpace
-from meshdepict.scene.light import as_light
+from meshdepict.scene.names import as_light
 from meshdepict.shading.method import Exposure, exposed, method
 
 __all__ = ["half_lambert", "lambert"]

@@ -11,7 +11,6 @@ from numpy.typing import ArrayLike, NDArray
 from meshdepict.errors import MeshdepictError
 from meshdepict.options import Choice, Range
 from meshdepict.scales.space import ScaleSpace
-from meshdepict.scene.light import as_lights
 from meshdepict.scene.material import (
     AshikhminShirley,
     CookTorrance,
@@ -23,6 +22,7 @@ from meshdepict.scene.material import (
     diffuse_term,
     specular_term,
 )
+from meshdepict.scene.names import as_lights
 from meshdepict.scene.view import View
 from meshdepict.shading.features import LightCount, Parameter, eyes, sight
 from meshdepict.shading.method import Exposure, exposed, method, require_smoothing

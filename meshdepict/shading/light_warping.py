@@ -13,7 +13,7 @@ from meshdepict.options import Choice, Range
 from meshdepict.scales.space import ScaleSpace
 from meshdepict.scene.environment import Environment
 from meshdepict.scene.equirectangular import to_picture
-from meshdepict.scene.light import Light, as_lights
+from meshdepict.scene.light import Light
 from meshdepict.scene.material import (
     HalfLambert,
     LitSphere,
@@ -24,6 +24,7 @@ from meshdepict.scene.material import (
     ambient_term,
     as_material,
 )
+from meshdepict.scene.names import as_lights
 from meshdepict.scene.view import View
 from meshdepict.shading.direct import direct, kernel_parameters, quantised
 from meshdepict.shading.features import (

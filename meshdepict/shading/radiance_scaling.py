@@ -9,7 +9,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from meshdepict.options import Choice, Range
 from meshdepict.scales.space import ScaleSpace
-from meshdepict.scene.light import as_lights
 from meshdepict.scene.material import (
     LitSphere,
     Mirror,
@@ -18,6 +17,7 @@ from meshdepict.scene.material import (
     ambient_term,
     as_material,
 )
+from meshdepict.scene.names import as_lights
 from meshdepict.scene.view import View
 from meshdepict.shading.direct import direct, quantised
 from meshdepict.shading.features import (

@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from meshdepict.options import Range
 from meshdepict.scales.space import ScaleSpace
-from meshdepict.scene.light import as_lights
 from meshdepict.scene.material import Lambert, soft_steps
+from meshdepict.scene.names import as_lights
 from meshdepict.shading.direct import direct
 from meshdepict.shading.method import Exposure, exposed, method
 

@@ -13,12 +13,10 @@ from numpy.typing import NDArray
 from meshdepict.errors import MeshdepictWarning
 
 if TYPE_CHECKING:
-    from meshdepict.shapes.mesh import Mesh
     from meshdepict.surface.polygons import Polygons
 
 __all__ = [
     "COLOR",
-    "MARK",
     "Contents",
     "Document",
     "Saving",
@@ -28,7 +26,6 @@ __all__ = [
     "recolored",
 ]
 
-MARK = "meshdepict "  # how every line of provenance begins
 COLOR = ("red", "green", "blue")
 
 
@@ -111,15 +108,26 @@ def as_bytes(values: NDArray[Any]) -> NDArray[np.uint8]:
     return np.clip(finite * scale + 0.5, 0, 255).astype(np.uint8)
 
 
-def only_colors(mesh: Mesh, saving: Saving, name: str) -> NDArray[np.uint8] | None:
+def only_colors(
+    attributes: Mapping[str, Any], document: object, saving: Saving, name: str
+) -> NDArray[np.uint8] | None:
     """Return the (n, 3) colours to write into a format that holds one set of them, or None.
+
+    Parameters
+    ----------
+    attributes : mapping
+        Of the vertices.
+    document : object
+        What the mesh came with.
+    saving : Saving
+    name : str
+        Of the format.
 
     Warns where that loses colours which should be kept.
     """
-    attributes = mesh.attributes["vertex"]
     own = all(channel in attributes for channel in COLOR)
     if saving.colors is not None:
-        ours = isinstance(mesh.document, Document) and bool(mesh.document.provenance)
+        ours = isinstance(document, Document) and bool(document.provenance)
         kept = new_names(attributes, ours=ours, keep=saving.keep_colors).values()
         if any(f"original_{channel}" in kept for channel in COLOR):
             warnings.warn(

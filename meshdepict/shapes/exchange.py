@@ -1,9 +1,9 @@
-"""Meshes of PyVista and trimesh, both ways, with their colours and their other data."""
+"""Meshes and grids of PyVista and trimesh, both ways, with their colours and their other data."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,11 +11,16 @@ from numpy.typing import NDArray
 from meshdepict.errors import MeshdepictError
 from meshdepict.shapes.document import Contents, Document
 from meshdepict.surface.polygons import Polygons, strip_triangles
+from meshdepict.voxels.grid import Grid
 
-if TYPE_CHECKING:
-    from meshdepict.shapes.mesh import Mesh
-
-__all__ = ["polydata_contents", "polydata_geometry", "to_polydata", "trimesh_contents"]
+__all__ = [
+    "image_contents",
+    "image_of",
+    "polydata_contents",
+    "polydata_geometry",
+    "to_polydata",
+    "trimesh_contents",
+]
 
 Arrays = dict[str, NDArray[Any]]
 
@@ -84,32 +89,37 @@ def polydata_geometry(poly: Any) -> tuple[NDArray[Any], Polygons, NDArray[np.int
 
 
 def to_polydata(
-    mesh: Mesh, attributes: Mapping[str, NDArray[Any]], lines: Iterable[str] = ()
+    vertices: NDArray[np.float64],
+    faces: NDArray[np.int64] | Polygons,
+    attributes: Mapping[str, NDArray[Any]],
+    face_attributes: Mapping[str, NDArray[Any]],
+    lines: Iterable[str] = (),
 ) -> Any:
     """Return a ``pyvista.PolyData`` with a mesh's polygons, all of it copied.
 
     Parameters
     ----------
-    mesh : Mesh
-        Its face attributes become cell arrays.
+    vertices : (n, 3) array
+    faces : (m, 3) array or Polygons
     attributes : {name: (n, …)}
         Of the vertices; 8-bit red, green and blue become the array "RGB".
+    face_attributes : {name: (m, …)}
+        They become cell arrays.
     lines : iterable of str
         Provenance, kept in the field data.
     """
     import pyvista as pv
 
     poly = pv.PolyData()
-    poly.points = mesh.vertices.copy()
-    if mesh.polygons is None:
-        cells = pv.CellArray.from_regular_cells(mesh.faces, deep=True)
+    poly.points = vertices.copy()
+    if isinstance(faces, Polygons):
+        cells = pv.CellArray.from_arrays(faces.offsets, faces.connectivity, deep=True)
     else:
-        connectivity, offsets = mesh.polygons
-        cells = pv.CellArray.from_arrays(offsets, connectivity, deep=True)
+        cells = pv.CellArray.from_regular_cells(faces, deep=True)
     poly.SetPolys(cells)
     for data, arrays in (
         (poly.point_data, _colors_together(attributes)),
-        (poly.cell_data, mesh.attributes["face"]),
+        (poly.cell_data, face_attributes),
     ):
         for name, values in arrays.items():
             data[name] = values.reshape(len(values), -1) if values.ndim > 2 else values.copy()
@@ -176,3 +186,65 @@ def _colors_together(attributes: Mapping[str, NDArray[Any]]) -> Arrays:
         if all(part in arrays and arrays[part].dtype == np.uint8 for part in parts):
             arrays[name] = np.stack([arrays.pop(part) for part in parts], axis=1)
     return arrays
+
+
+# --- volumes ------------------------------------------------------------------------------------
+
+
+def image_of(values: NDArray[Any], grid: Grid) -> Any:
+    """Return ``pyvista.ImageData`` with scalars "values" or colours "RGBA" on a grid."""
+    import pyvista as pv
+
+    image = pv.ImageData(
+        dimensions=grid.counts[::-1],
+        spacing=grid.spacing,
+        origin=grid.origin,
+        direction_matrix=grid.direction,
+    )
+    if values.ndim == 4:
+        image.point_data["RGBA"] = values.reshape(-1, 4)
+    else:
+        image.point_data["values"] = values.reshape(-1)
+        image.field_data["unit"] = [grid.unit]
+    return image
+
+
+def image_contents(image: Any) -> tuple[NDArray[Any], dict[str, Any], str | None]:
+    """Return values, place (the keywords of `Volume`) and unit of image data.
+
+    Raises
+    ------
+    MeshdepictError
+        For other data than ``ImageData``, and for none or several arrays without an active one.
+    """
+    import pyvista as pv
+
+    if not isinstance(image, pv.ImageData):
+        raise MeshdepictError(f"holds {type(image).__name__}, not image data of a regular grid")
+    values, at_cells = _scalars(image)
+    if values.ndim > 1:
+        raise MeshdepictError(f"has {values.shape[1]} values in a voxel, not one")
+    # Voxels are numbered from the extent's low corner, which need not be (0, 0, 0).
+    low = np.array(image.extent[::2], np.float64) + (0.5 if at_cells else 0.0)
+    shape = [max(n - 1, 1) if at_cells else n for n in image.dimensions]
+    spacing, direction = np.array(image.spacing), np.array(image.direction_matrix)
+    place = {
+        "spacing": spacing,
+        "origin": np.array(image.origin) + direction @ (low * spacing),
+        "direction": direction,
+    }
+    unit = str(image.field_data["unit"][0]) if "unit" in image.field_data else None
+    return np.asarray(values).reshape(shape[::-1]), place, unit
+
+
+def _scalars(image: Any) -> tuple[NDArray[Any], bool]:
+    for data, at_cells in ((image.point_data, False), (image.cell_data, True)):
+        if data.active_scalars_name:
+            return data[data.active_scalars_name], at_cells
+        if len(data) == 1:
+            return data[data.keys()[0]], at_cells
+        if len(data) > 1:
+            raise MeshdepictError(
+                f"has several arrays ({', '.join(data.keys())}) and none is marked as the scalars"
+            )
+    raise MeshdepictError("has no values at its voxels")

@@ -11,9 +11,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from meshdepict.errors import MeshdepictError
 from meshdepict.images.pixel_samples import PixelSamples, check_size, finite
+from meshdepict.scene.vectors import frozen
 from meshdepict.shapes.fingerprint import fingerprint
 from meshdepict.shapes.mesh import Mesh
-from meshdepict.surface.mesh_input import frozen
 
 if TYPE_CHECKING:
     from pathlib import Path

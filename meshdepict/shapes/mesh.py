@@ -11,14 +11,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from meshdepict.errors import MeshdepictError, MeshdepictWarning
+from meshdepict.scene.vectors import frozen
 from meshdepict.shapes.fingerprint import fingerprint
 from meshdepict.surface import triangles
-from meshdepict.surface.mesh_input import (
-    check_indices,
-    checked_attributes,
-    checked_vertices,
-    frozen,
-)
+from meshdepict.surface.mesh_input import check_indices, checked_attributes, checked_vertices
 from meshdepict.surface.polygons import as_polygons, triangulate
 from meshdepict.surface.welding import normal_groups, same_position
 

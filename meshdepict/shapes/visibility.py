@@ -22,14 +22,14 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from meshdepict.shapes.pixels import projected
+from meshdepict.images.pixels import step
 from meshdepict.threads import each, spans, thread_count
 
 if TYPE_CHECKING:
     from meshdepict.scene.view import View
     from meshdepict.shapes.mesh import Mesh
 
-__all__ = ["Visible", "visible_surface"]
+__all__ = ["Visible", "projected", "visible_surface"]
 
 Floats = NDArray[np.float64]
 
@@ -130,3 +130,26 @@ def _band(corners, depth, faces, first, last, nearest, triangle):  # type: ignor
 def _within(value, low, high):  # type: ignore[no-untyped-def]
     """Return a whole number held between bounds; any number may come in."""
     return int(low) if not value > low else int(high) if value >= high else int(value)
+
+
+def projected(mesh: Mesh, view: View, width: int) -> tuple[Floats, Floats]:
+    """Return a mesh's vertices in a picture, and their depths in diagonals of the mesh.
+
+    Returns
+    -------
+    corners : (n, 3) array
+        As (P, Q, W), shown at column P/W and row Q/W: W is 1 in a parallel view and the depth in a
+        perspective one.
+    depth : (n,) array
+        Along the view's axis, positive in front of the eye.
+    """
+    unit = mesh.diagonal or 1.0
+    x, y, z = view.frame @ (mesh._unit_points - mesh.recentred(view.position)).T
+    depth = -z
+    if view.parallel_scale is None:
+        weight, pixel = depth, step(view)
+    else:
+        weight, pixel = np.ones_like(depth), 2 * (view.parallel_scale / unit) / view.height_px
+    columns = x / pixel + (width / 2 - 0.5) * weight
+    rows = (view.height_px / 2 - 0.5) * weight - y / pixel
+    return np.stack([columns, rows, weight], axis=1), depth

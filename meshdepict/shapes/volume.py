@@ -14,27 +14,23 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from meshdepict.color.hounsfield import check_rescale
 from meshdepict.errors import MeshdepictError
+from meshdepict.scene.vectors import frozen
 from meshdepict.shapes.fingerprint import fingerprint
-from meshdepict.surface.mesh_input import frozen
+from meshdepict.voxels.grid import Grid
 from meshdepict.voxels.volume_input import (
     as_list,
-    check_rescale,
-    checked_direction,
     checked_values,
     fitting_integer,
-    three_numbers,
 )
 
 __all__ = ["Volume"]
 
-Floats = NDArray[np.float64]
-
 _SLAB = 1 << 22  # voxels looked at in one go, so that a file mapped into memory stays on the disk
-_LARGEST = 1e150  # beyond it squares of coordinates overflow
 
 
-class Volume:
+class Volume(Grid):
     """A grid of scalar values, for instance CT numbers.
 
     Parameters
@@ -70,8 +66,6 @@ class Volume:
         a spacing that is not positive, and directions that are not orthonormal.
     """
 
-    kind = "volume"
-
     def __init__(
         self,
         values: ArrayLike,
@@ -83,16 +77,10 @@ class Volume:
         attributes: Mapping[str, Any] | None = None,
     ) -> None:
         self.values = frozen(checked_values(values).view())
-        self.spacing = frozen(three_numbers(spacing, "spacing"))
-        self.origin = frozen(three_numbers(origin, "origin"))
-        self.direction = frozen(checked_direction(np.eye(3) if direction is None else direction))
-        if not (self.spacing > 0).all():
-            raise MeshdepictError(
-                f"the spacing {as_list(self.spacing)} is not positive along every axis"
-            )
-        if not np.abs(self.outline).max() < _LARGEST:
-            raise MeshdepictError(f"the volume reaches beyond {_LARGEST:g} in world coordinates")
-        self.hounsfield = bool(hounsfield)
+        super().__init__(
+            self.values.shape, spacing=spacing, origin=origin, direction=direction,
+            hounsfield=hounsfield,
+        )  # fmt: skip
         self.attributes = dict(attributes or {})
         self._check_contents()
 
@@ -108,14 +96,14 @@ class Volume:
         MeshdepictError
             For anything but ``ImageData``, for none or several arrays, and as `Volume`.
         """
-        from meshdepict.io.vti import image_contents
+        from meshdepict.shapes.exchange import image_contents
 
         values, place, unit = image_contents(image)
         return cls(values, **place, hounsfield=unit == "HU" if hounsfield is None else hounsfield)
 
     def to_pyvista(self) -> Any:
         """Return a ``pyvista.ImageData`` with the point data "values", which share the memory."""
-        from meshdepict.io.vti import image_of
+        from meshdepict.shapes.exchange import image_of
 
         return image_of(self.values, self)
 
@@ -126,16 +114,6 @@ class Volume:
         return f"<Volume: {nx} x {ny} x {nz} {kind}, spacing {spacing}, {self.unit}>"
 
     # --- values -----------------------------------------------------------------------------
-
-    @property
-    def unit(self) -> str:
-        """What the values are: "HU" or "raw"."""
-        return "HU" if self.hounsfield else "raw"
-
-    @property
-    def n_samples(self) -> int:
-        """Number of voxels."""
-        return self.values.size
 
     def slabs(self) -> Iterator[tuple[slice, NDArray[Any]]]:
         """Yield ``(slices, values[slices])`` along z, a few million voxels each."""
@@ -242,22 +220,6 @@ class Volume:
         if not varied:
             raise MeshdepictError(f"the volume is constant: every voxel is {first}")
 
-    # --- place ------------------------------------------------------------------------------
-
-    def to_world(self, indices: ArrayLike) -> Floats:
-        """Return world positions of grid positions.
-
-        Parameters
-        ----------
-        indices : (..., 3) array_like
-            Voxel coordinates in the order x, y, z; fractions lie between voxels.
-
-        Returns
-        -------
-        (..., 3) ndarray
-        """
-        return self.origin + (np.asarray(indices, np.float64) * self.spacing) @ self.direction.T
-
     @cached_property
     def identity(self) -> str:
         """Size, and the fingerprint of the values and their place in the world."""
@@ -265,30 +227,3 @@ class Volume:
         slabs = (slab for _, slab in self.slabs())
         digest = fingerprint(self.spacing, self.origin, self.direction, *slabs)
         return f"{nx} x {ny} x {nz} voxels sha256 {digest}"
-
-    @cached_property
-    def outline(self) -> Floats:
-        """(8, 3) world corners of the box of voxel centres: what a view has to show."""
-        nz, ny, nx = self.values.shape
-        corners = np.array(np.meshgrid((0, nx - 1), (0, ny - 1), (0, nz - 1))).reshape(3, 8).T
-        return frozen(self.to_world(corners))
-
-    @cached_property
-    def _centre(self) -> Floats:
-        low, high = self.outline.min(axis=0), self.outline.max(axis=0)
-        return frozen(low / 2 + high / 2)
-
-    @cached_property
-    def diagonal(self) -> float:
-        """Diagonal of the box of voxel centres, in world units."""
-        return float(np.linalg.norm((np.array(self.values.shape[::-1]) - 1) * self.spacing))
-
-    def recentred(self, points: Floats) -> Floats:
-        """Return world positions (…, 3) relative to the volume's centre, in its diagonals."""
-        moved: Floats = (points - self._centre) / (self.diagonal or 1.0)
-        return moved
-
-    @property
-    def edge_length(self) -> float:
-        """The largest spacing, in world units: what is finer along it are steps between slices."""
-        return float(self.spacing.max())

@@ -9,20 +9,15 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from meshdepict.errors import MeshdepictError
+from meshdepict.scene.vectors import frozen
 from meshdepict.surface.polygons import Polygons
 
-__all__ = ["check_indices", "checked_attributes", "checked_vertices", "frozen"]
+__all__ = ["check_indices", "checked_attributes", "checked_vertices"]
 
 Floats = NDArray[np.float64]
 
 # Beyond it sums and differences of coordinates, and areas, would overflow.
 _LARGEST = 1e150
-
-
-def frozen(array: NDArray[Any]) -> NDArray[Any]:
-    """Make an array read-only, and return it."""
-    array.setflags(write=False)
-    return array
 
 
 def checked_vertices(vertices: ArrayLike) -> Floats:

@@ -65,7 +65,7 @@ def controls(method: str) -> list[Control]:
     MeshdepictError
         For an unknown method.
     """
-    from meshdepict.baking.surfaces import find_method
+    from meshdepict.shading.registry import find_method
 
     return [_control(option) for option in options_of(find_method(method)).values()]
 

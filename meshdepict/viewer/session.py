@@ -14,12 +14,14 @@ from numpy.typing import ArrayLike, NDArray
 
 from meshdepict import color
 from meshdepict.baking.baked import Baked
-from meshdepict.baking.surfaces import as_mesh, bake, find_method
+from meshdepict.baking.surfaces import as_mesh, bake
 from meshdepict.errors import MeshdepictError
 from meshdepict.options import check, options_of
-from meshdepict.scales.space import ScaleSpace, scale_space
-from meshdepict.scene.light import as_lighting
-from meshdepict.scene.view import View, as_view
+from meshdepict.scales.making import scale_space
+from meshdepict.scales.space import ScaleSpace
+from meshdepict.scene.names import as_lighting, as_view
+from meshdepict.scene.view import View
+from meshdepict.shading.registry import find_method
 from meshdepict.viewer.light_drag import carried, dragged
 
 if TYPE_CHECKING:

@@ -7,10 +7,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from meshdepict.voxels.grid_samples import Samples, Triple
+from meshdepict.voxels.grid import Triple
+from meshdepict.voxels.grid_samples import Samples
 
 if TYPE_CHECKING:
-    from meshdepict.shapes.volume import Volume
+    from meshdepict.voxels.grid import Grid
 
 __all__ = ["Scattered", "completed", "gradients_to_world", "in_voxels", "least_gradient"]
 
@@ -43,24 +44,24 @@ def completed(
     return kept.reshape(len(planes), 3, count), bent
 
 
-def in_voxels(width: float, shape: Volume) -> NDArray[np.float64]:
+def in_voxels(width: float, grid: Grid) -> NDArray[np.float64]:
     """Return a width along z, y and x in voxels, at most a few lengths of the axes.
 
     There everything has decayed, and the smallest gradient that counts must not do so, too.
     """
-    most = _WIDEST * np.array(shape.values.shape)
+    most = _WIDEST * np.array(grid.counts)
     with np.errstate(over="ignore"):
-        return np.minimum(width / shape.spacing[::-1], most)
+        return np.minimum(width / grid.spacing[::-1], most)
 
 
-def least_gradient(width: float, shape: Volume) -> float:
+def least_gradient(width: float, grid: Grid) -> float:
     """Return the least length of a gradient of values in −1 … 1, per smallest spacing."""
-    return 2 * _NONE / max(float(in_voxels(width, shape).max()), 1.0)
+    return 2 * _NONE / max(float(in_voxels(width, grid).max()), 1.0)
 
 
-def gradients_to_world(shape: Volume) -> NDArray[np.float64]:
+def gradients_to_world(grid: Grid) -> NDArray[np.float64]:
     """Return the matrix from d/dx, d/dy, d/dz per voxel to the world, per smallest spacing."""
-    return np.ascontiguousarray(shape.direction * (shape.spacing.min() / shape.spacing))
+    return np.ascontiguousarray(grid.direction * (grid.spacing.min() / grid.spacing))
 
 
 class Scattered:

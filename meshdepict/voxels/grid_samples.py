@@ -2,21 +2,30 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from meshdepict.errors import MeshdepictError
+from meshdepict.voxels.grid import Triple
 
 if TYPE_CHECKING:
     from meshdepict.color.transfer_function import TransferFunction
-    from meshdepict.shapes.volume import Volume
 
-__all__ = ["Samples", "Triple", "grown", "shaded_voxels"]
+__all__ = ["Samples", "grown", "shaded_voxels"]
 
-Triple = tuple[int, int, int]
-"""Along z, y and x."""
+
+class Valued(Protocol):
+    """A volume as far as choosing voxels needs it."""
+
+    @property
+    def counts(self) -> Triple:
+        """Voxels along z, y and x."""
+
+    def slabs(self) -> Iterable[tuple[slice, NDArray[Any]]]:
+        """Yield ``(slices, values)`` along z."""
 
 
 class Samples(NamedTuple):
@@ -102,7 +111,7 @@ class Samples(NamedTuple):
 
 
 def shaded_voxels(
-    volume: Volume, where: NDArray[np.bool_] | None, transfer: TransferFunction | None
+    volume: Valued, where: NDArray[np.bool_] | None, transfer: TransferFunction | None
 ) -> NDArray[np.bool_]:
     """Return the mask (nz, ny, nx) of voxels with opacity and those beside them.
 
@@ -113,7 +122,7 @@ def shaded_voxels(
     MeshdepictError
         For `where` of another shape.
     """
-    shape = volume.values.shape
+    shape = volume.counts
     if where is not None and (where := np.asarray(where)).shape != shape:
         raise MeshdepictError(f"where has shape {where.shape}, the volume {shape}")
     if transfer is None:

@@ -18,7 +18,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshdepict.voxels.gaussian_bands import Band, gaussian_band
-from meshdepict.voxels.grid_samples import Samples, Triple
+from meshdepict.voxels.grid import Triple
+from meshdepict.voxels.grid_samples import Samples
 
 __all__ = ["BINDING", "GRADIENT", "Grid", "GridSums", "Piece", "halo", "reach_of"]
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from typing import Any
 
 import numpy as np
@@ -12,7 +11,6 @@ from meshdepict.errors import MeshdepictError
 
 __all__ = [
     "as_list",
-    "check_rescale",
     "checked_direction",
     "checked_values",
     "fitting_integer",
@@ -30,21 +28,6 @@ def fitting_integer(low: float, high: float) -> Any:
         if np.iinfo(kind).min <= low and high <= np.iinfo(kind).max:
             return kind
     return np.int64
-
-
-def check_rescale(slope: float, intercept: float) -> None:
-    """Refuse what is no way from raw numbers to Hounsfield units.
-
-    Raises
-    ------
-    MeshdepictError
-        For a slope that is not positive and an intercept that is not finite.
-    """
-    if not (0 < slope < math.inf and math.isfinite(intercept)):
-        raise MeshdepictError(
-            f"slope={slope!r}, intercept={intercept!r}: Hounsfield units take a positive slope "
-            "and a finite intercept"
-        )
 
 
 def checked_values(values: ArrayLike) -> NDArray[Any]:

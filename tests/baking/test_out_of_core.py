@@ -103,6 +103,15 @@ def test_a_place_is_the_volumes(head: Volume) -> None:
     assert (empty.range, empty.kind, empty.unit) == (head.range, "volume", "HU")
 
 
+def test_raw_numbers_that_are_not_at_hand_say_no_unit(head: Volume) -> None:
+    empty = Place(head.values.shape, head.range, **(place(head) | {"hounsfield": False}))
+    empty.range = (0.0, 4000.0)
+    with pytest.raises(MeshdepictError, match="its numbers aren't at hand"):
+        volume_recipe(
+            empty, "lambert", transfer="bone", light="front", view="front", up="z", tolerance=1e-4
+        )
+
+
 def test_a_recipe_travels_to_workers_without_the_values(head: Volume) -> None:
     empty = Place((4000, 4000, 4000), head.range, **place(head))
     recipe = volume_recipe(

@@ -5,7 +5,8 @@ import pytest
 
 from meshdepict import __version__, bake, scale_space, shading
 from meshdepict.options import check, options_of
-from meshdepict.scene.view import Light, View
+from meshdepict.scene.light import Light
+from meshdepict.scene.view import View
 from meshdepict.shapes import samples
 from meshdepict.shapes.fingerprint import fingerprint
 from meshdepict.shapes.mesh import Mesh

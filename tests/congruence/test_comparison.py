@@ -15,7 +15,7 @@ from meshdepict.congruence import report as comparison_report
 from meshdepict.congruence.comparison import compare
 from meshdepict.errors import MeshdepictError
 from meshdepict.io import write_mesh
-from meshdepict.scales.space import scale_space
+from meshdepict.scales.making import scale_space
 from meshdepict.shapes.gbuffer import GBuffer
 
 SIZE = (120, 90)

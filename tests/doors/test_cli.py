@@ -7,7 +7,8 @@ import sys
 import pytest
 
 import meshdepict as md
-from meshdepict.commands import batch, report
+from meshdepict.baking import batch
+from meshdepict.commands import report
 
 # --- help -----------------------------------------------------------------------------------------
 

@@ -11,7 +11,8 @@ from meshdepict.errors import MeshdepictError
 from meshdepict.options import options_of
 from meshdepict.scales.diffusion import diffusion_width
 from meshdepict.scales.image_scales import FILTERS, image_space
-from meshdepict.scene.view import View, as_light
+from meshdepict.scene.names import as_light
+from meshdepict.scene.view import View
 from meshdepict.shading import METHODS
 from meshdepict.shapes import samples
 from meshdepict.shapes.gbuffer import GBuffer

@@ -7,9 +7,9 @@ from conftest import angle_between, rotation
 from meshdepict import scale_space, smooth_normals
 from meshdepict.errors import MeshdepictError
 from meshdepict.scales import mesh_scales
-from meshdepict.scales.ladder import resolve_width
 from meshdepict.scene.view import View
 from meshdepict.shapes import samples
+from meshdepict.shapes.lengths import resolve_width
 from meshdepict.shapes.mesh import Mesh
 
 

@@ -3,8 +3,10 @@ import pytest
 from conftest import rotation
 
 from meshdepict.errors import MeshdepictError
+from meshdepict.scene.light import Light
+from meshdepict.scene.names import LIGHTS, as_light, as_view
 from meshdepict.scene.upright import UPS
-from meshdepict.scene.view import LIGHTS, VIEWS, Light, View, as_light, as_view, named_directions
+from meshdepict.scene.view import VIEWS, View, named_directions
 from meshdepict.shapes import samples
 from meshdepict.shapes.mesh import Mesh
 

@@ -5,8 +5,8 @@ import pytest
 
 from meshdepict import MeshdepictError, scale_space, shading
 from meshdepict.color.encoding import srgb_to_linear
+from meshdepict.scene.light import Light
 from meshdepict.scene.material import LitSphere, soft_steps
-from meshdepict.scene.view import Light
 from meshdepict.shapes import samples
 
 

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from meshdepict import Environment, MeshdepictError, scale_space, shading
+from meshdepict.scene.light import Light
 from meshdepict.scene.material import (
     AshikhminShirley,
     CookTorrance,
@@ -18,7 +19,7 @@ from meshdepict.scene.material import (
     specular_term,
     towards_visible,
 )
-from meshdepict.scene.view import Light, as_lights, as_view
+from meshdepict.scene.names import as_lights, as_view
 from meshdepict.shading.direct import direct
 from meshdepict.shading.features import Frames, Scaling, eyes, features
 from meshdepict.shading.light_warping import jacobian, unwarp, warp_scale

@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 from meshdepict import Environment, MeshdepictError, scale_space, shading
+from meshdepict.scene.light import Light
 from meshdepict.scene.material import Mirror, Refractive, Toon, soft_steps
-from meshdepict.scene.view import Light, as_view
+from meshdepict.scene.names import as_view
 from meshdepict.shading.features import features
 from meshdepict.shading.light_warping import warp, warp_scale
 from meshdepict.shapes import samples

@@ -7,8 +7,8 @@ import pytest
 
 import meshdepict as md
 from meshdepict import Environment, MeshdepictError, View, scale_space, shading
+from meshdepict.scene.light import Light
 from meshdepict.scene.material import AshikhminShirley, LitSphere, Mirror, Phong, Refractive, Toon
-from meshdepict.scene.view import Light
 from meshdepict.shading.radiance_scaling import scaling
 from meshdepict.shapes import samples
 

@@ -9,7 +9,8 @@ from conftest import DATA, rotation, tetrahedron
 from meshdepict import scale_space, shading
 from meshdepict.errors import MeshdepictError
 from meshdepict.options import check, options_of
-from meshdepict.scene.view import Light, View
+from meshdepict.scene.light import Light
+from meshdepict.scene.view import View
 from meshdepict.shading import METHODS, declaration
 from meshdepict.shapes import samples
 from meshdepict.shapes.mesh import Mesh

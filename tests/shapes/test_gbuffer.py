@@ -14,7 +14,7 @@ from meshdepict.shapes import samples
 from meshdepict.shapes.fingerprint import fingerprint
 from meshdepict.shapes.gbuffer import GBuffer
 from meshdepict.shapes.mesh import Mesh
-from meshdepict.shapes.pixels import projected
+from meshdepict.shapes.visibility import projected
 
 SIZE = (120, 90)
 

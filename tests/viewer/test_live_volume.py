@@ -11,7 +11,7 @@ from meshdepict.color.transfer import TransferFunction
 from meshdepict.drawing.canvas import place
 from meshdepict.drawing.volume_scene import add_baked
 from meshdepict.errors import MeshdepictError
-from meshdepict.scales.space import scale_space
+from meshdepict.scales.making import scale_space
 from meshdepict.scene.view import View
 from meshdepict.viewer.live import live_methods, look, volume_shading
 from meshdepict.viewer.live.volume_shading import LiveVolume

@@ -9,9 +9,11 @@ from meshdepict import bake
 from meshdepict.baking.recipe import load_recipe
 from meshdepict.drawing.canvas import place
 from meshdepict.errors import MeshdepictError
-from meshdepict.scales.space import scale_space
+from meshdepict.scales.making import scale_space
 from meshdepict.scene.environment import Environment
-from meshdepict.scene.view import VIEWS, Light, Lights, View, as_light
+from meshdepict.scene.light import Light, Lights
+from meshdepict.scene.names import as_light
+from meshdepict.scene.view import VIEWS, View
 from meshdepict.shading import METHODS
 from meshdepict.shapes import samples
 from meshdepict.shapes.mesh import Mesh

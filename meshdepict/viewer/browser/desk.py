@@ -14,11 +14,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from meshdepict.baking.recipe import save_recipe
-from meshdepict.baking.surfaces import find_method
 from meshdepict.errors import MeshdepictError
 from meshdepict.options import as_text
 from meshdepict.scene.light import Light
 from meshdepict.scene.view import View
+from meshdepict.shading.registry import find_method
 from meshdepict.viewer.controls import Control, controls
 from meshdepict.viewer.packing import sight
 from meshdepict.viewer.page import save_page
@@ -76,7 +76,7 @@ class Desk:
 
     def look(self) -> dict[str, Any]:
         """Return all that the page's controls show."""
-        from meshdepict.shading import METHODS
+        from meshdepict.shading.registry import METHODS
 
         session = self.session
         summary = (inspect.getdoc(find_method(session.method)) or "").partition("\n\n")[0]

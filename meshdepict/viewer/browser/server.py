@@ -15,7 +15,7 @@ from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
-from meshdepict.commands.console import complain
+from meshdepict.console import complain
 from meshdepict.errors import MeshdepictError
 from meshdepict.viewer.browser.desk import KINDS, Desk
 from meshdepict.viewer.browser.gate import Gate

@@ -6,13 +6,14 @@ from typing import Any
 
 import numpy as np
 
+from meshdepict.drawing.shader import Uniforms
 from meshdepict.scales.space import ScaleSpace
 from meshdepict.scene.material import Phong
 from meshdepict.scene.view import View
 from meshdepict.shading import light_warping, phong, radiance_scaling
 from meshdepict.shading.features import DEFAULT_GAIN, features
 from meshdepict.shading.radiance_scaling import LEAST_INVARIANT
-from meshdepict.viewer.live.live_method import Attributes, LiveMethod, Options, Uniforms, packed
+from meshdepict.viewer.live.live_method import Attributes, LiveMethod, Options, packed
 from meshdepict.viewer.live.materials import (
     GLSL,
     live_material,

@@ -9,7 +9,7 @@ import numpy as np
 from meshdepict.color.encoding import colormap as color_table
 
 if TYPE_CHECKING:
-    from meshdepict.viewer.live.live_method import Uniforms
+    from meshdepict.drawing.shader import Uniforms
 
 __all__ = ["GLSL", "table_uniforms"]
 

@@ -4,19 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 
+from meshdepict.drawing.shader import Uniforms
 from meshdepict.scales.space import ScaleSpace
 from meshdepict.scene.view import View
 from meshdepict.shading import exaggerated
 from meshdepict.shading.attention import NEAR
 from meshdepict.shading.exaggerated import SINGULAR_LIGHT, band_weights
 from meshdepict.shading.method import require_smoothing
-from meshdepict.viewer.live.live_method import (
-    Attributes,
-    LiveMethod,
-    Options,
-    Uniforms,
-    packed,
-)
+from meshdepict.viewer.live.live_method import Attributes, LiveMethod, Options, packed
 
 __all__ = ["EXAGGERATED"]
 

@@ -4,18 +4,13 @@ from __future__ import annotations
 
 import math
 
+from meshdepict.drawing.shader import Uniforms
 from meshdepict.scales.space import ScaleSpace
 from meshdepict.scene.view import View
 from meshdepict.shading import light_alignment
 from meshdepict.shading.light_alignment import _per_scale
 from meshdepict.shading.method import require_smoothing
-from meshdepict.viewer.live.live_method import (
-    Attributes,
-    LiveMethod,
-    Options,
-    Uniforms,
-    packed,
-)
+from meshdepict.viewer.live.live_method import Attributes, LiveMethod, Options, packed
 from meshdepict.viewer.live.materials import (
     GLSL,
     live_material,

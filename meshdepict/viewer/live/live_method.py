@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from meshdepict.drawing.shader import Uniforms
 from meshdepict.scales.space import ScaleSpace
 from meshdepict.scene.view import View
 from meshdepict.viewer.live.octahedral import pack_normals
@@ -17,7 +18,6 @@ __all__ = ["Attributes", "LiveMethod", "Options", "Uniforms", "original_normals"
 
 Options = Mapping[str, Any]
 Attributes = dict[str, NDArray[np.float32]]
-Uniforms = dict[str, Any]  # float, int, tuple: a vector, list: numbers, (k, 4, 4) array: matrices
 
 
 def packed(sets: Any, *, bits: int = 16) -> Attributes:

@@ -11,8 +11,9 @@ from meshdepict.drawing.shader import MOST_LIGHTS, caught_errors
 from meshdepict.errors import MeshdepictError
 from meshdepict.options import check, nearest, options_of
 from meshdepict.scales.space import ScaleSpace
-from meshdepict.scene.light import Light, as_light, as_lights
-from meshdepict.scene.view import View, as_view
+from meshdepict.scene.light import Light
+from meshdepict.scene.names import as_light, as_lights, as_view
+from meshdepict.scene.view import View
 from meshdepict.shading.method import declaration
 from meshdepict.viewer.live.direct import LIGHT_WARPING, PHONG, RADIANCE_SCALING
 from meshdepict.viewer.live.exaggerated import EXAGGERATED

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from typing import Any
 
+from meshdepict.drawing.shader import Uniforms
 from meshdepict.errors import MeshdepictError
 from meshdepict.scene.material import Lambert, Phong, adjusted, ambient_term, as_material
-from meshdepict.viewer.live.live_method import Options, Uniforms
+from meshdepict.viewer.live.live_method import Options
 
 __all__ = ["GLSL", "live_material", "material_defines", "material_uniforms"]
 

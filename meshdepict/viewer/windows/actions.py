@@ -48,7 +48,7 @@ class Actions(KeyActions):
         window.say("back to the beginning")
 
     def _method(self, step: int) -> None:
-        from meshdepict.shading import METHODS
+        from meshdepict.shading.registry import METHODS
 
         window = self._window
         wanted = other(list(METHODS), window.session.method, step)

@@ -29,7 +29,7 @@ def colormaps(session: Session) -> list[str | None]:
 
 def next_method(session: Session, step: int) -> list[str]:
     """Shade by the next method that can shade this; return why others were passed over."""
-    from meshdepict.shading import METHODS
+    from meshdepict.shading.registry import METHODS
 
     names, former = list(METHODS), session.method
     refusals = []

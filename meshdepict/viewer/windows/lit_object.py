@@ -214,7 +214,7 @@ class LitObject:
             return None
         if self._live is not None and not fresh:
             return self._live
-        from meshdepict.baking.surfaces import find_method
+        from meshdepict.shading.registry import find_method
         from meshdepict.viewer.live.live_shading import LiveShading
 
         session = self._session

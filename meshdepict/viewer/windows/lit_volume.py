@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from typing import Any
 
-from meshdepict.baking.surfaces import find_method
 from meshdepict.drawing.shader import caught_errors
 from meshdepict.drawing.volume_scene import add_baked, add_plain, add_rgba, repaint
 from meshdepict.errors import MeshdepictError
 from meshdepict.options import options_of
+from meshdepict.shading.registry import find_method
 from meshdepict.viewer.live.volume_shading import LiveVolume
 from meshdepict.viewer.windows.lit_object import NO_CARD
 from meshdepict.viewer.windows.volume_session import VolumeSession

@@ -9,8 +9,8 @@ from meshdepict.baking.volumes import BakedVolume, as_volume, bake_volume
 from meshdepict.color.transfer import for_volume
 from meshdepict.color.transfer_function import TransferFunction
 from meshdepict.scales.grid_scales import GridSpace
-from meshdepict.scene.light import as_lighting
-from meshdepict.scene.view import View, as_view
+from meshdepict.scene.names import as_lighting, as_view
+from meshdepict.scene.view import View
 from meshdepict.viewer.session import Session
 
 __all__ = ["VolumeSession"]

@@ -9,8 +9,9 @@ from pathlib import Path
 import pytest
 
 import meshdepict as md
+from meshdepict import console
+from meshdepict.baking import batch
 from meshdepict.cli import main
-from meshdepict.commands import batch, console
 from meshdepict.io import read_mesh
 
 

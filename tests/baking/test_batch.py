@@ -8,7 +8,7 @@ from PIL import Image
 
 import meshdepict as md
 from meshdepict import threads
-from meshdepict.commands import batch
+from meshdepict.baking import batch
 from meshdepict.io import read_mesh, read_provenance, write_mesh
 from meshdepict.shapes import samples
 

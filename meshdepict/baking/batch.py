@@ -17,15 +17,15 @@ from typing import TYPE_CHECKING, Any
 
 from meshdepict.baking.baked import Baked
 from meshdepict.baking.surfaces import bake
-from meshdepict.commands.console import about, complain, notes, progress_bar
-from meshdepict.commands.targets import check_target
+from meshdepict.baking.targets import check_target
+from meshdepict.console import about, complain, notes, progress_bar
 from meshdepict.drawing.figure import Figure
 from meshdepict.drawing.framing import check_scale, frame
 from meshdepict.drawing.picture import check_picture, save_picture
 from meshdepict.errors import MeshdepictError
 from meshdepict.io import read_mesh
 from meshdepict.io.source import FORMATS, WRITABLE, suffix_of
-from meshdepict.scene.view import as_view
+from meshdepict.scene.names import as_view
 from meshdepict.shapes import samples
 
 if TYPE_CHECKING:

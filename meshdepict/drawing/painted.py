@@ -1,0 +1,106 @@
+"""What can be drawn: anything that has a shape, its colours and a view; bakes, for instance."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from meshdepict.scene.view import View
+
+if TYPE_CHECKING:
+    from meshdepict.color.transfer_function import TransferFunction
+    from meshdepict.scales.grid_scales import GridSpace
+
+__all__ = ["Painted", "PaintedVolume", "Turnable"]
+
+
+class Painted(Protocol):
+    """A shape in its colours; see `Baked`."""
+
+    @property
+    def shape(self) -> Any:
+        """A `Mesh` or `GBuffer`."""
+
+    @property
+    def colors(self) -> NDArray[np.uint8]:
+        """(n, 3) sRGB."""
+
+    @property
+    def view(self) -> View:
+        """What pictures show."""
+
+    @property
+    def provenance(self) -> dict[str, str]:
+        """What pictures say about how they came about."""
+
+    @property
+    def comments(self) -> list[str]:
+        """The same as lines."""
+
+    def to_pyvista(self) -> Any:
+        """Return the shape for VTK, colours as "RGB"."""
+
+
+class PaintedVolume(Protocol):
+    """Voxels in their colours; see `BakedVolume`."""
+
+    @property
+    def shape(self) -> Any:
+        """A `Volume`."""
+
+    @property
+    def view(self) -> View:
+        """What pictures show."""
+
+    @property
+    def provenance(self) -> dict[str, str]:
+        """What pictures say about how they came about."""
+
+    @property
+    def rgba(self) -> NDArray[np.uint8]:
+        """(nz, ny, nx, 4) sRGB and opacity."""
+
+    @property
+    def space(self) -> GridSpace | None:
+        """The samples, where they are kept."""
+
+    @property
+    def intensity(self) -> NDArray[np.float32] | None:
+        """What the method returned for the samples."""
+
+    @property
+    def transfer(self) -> TransferFunction | None:
+        """What is shown."""
+
+    @property
+    def linear(self) -> bool:
+        """Whether the intensity is linear light."""
+
+
+class Turnable(Protocol):
+    """A shape under a light, both of which can be turned; see `Session`."""
+
+    light: Any
+
+    @property
+    def shape(self) -> Any:
+        """A `Mesh`."""
+
+    @property
+    def view(self) -> View:
+        """Where the eye is."""
+
+    @property
+    def colors(self) -> NDArray[np.uint8]:
+        """(n, 3) sRGB of now."""
+
+    def baked(self) -> Painted:
+        """Return the shape in the colours of now."""
+
+    def shine(self, light: Any) -> None:
+        """Change the light."""
+
+    def look(self, view: str | View) -> None:
+        """Look from elsewhere."""

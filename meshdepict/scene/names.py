@@ -1,0 +1,127 @@
+"""Short names: what "northwest", (300, 20), "front" and a panorama's file stand for."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from meshdepict.errors import MeshdepictError
+from meshdepict.options import nearest
+from meshdepict.scene.environment import Environment
+from meshdepict.scene.light import Light, Lights
+from meshdepict.scene.vectors import Vector, numbers_of
+from meshdepict.scene.view import View
+
+__all__ = ["LIGHTS", "as_light", "as_lighting", "as_lights", "as_view", "is_several"]
+
+# Azimuths clockwise from up. The elevation makes northwest (−1, 1, 1)/√3 in the view's frame.
+_COMPASS = {
+    "north": 0.0, "northeast": 45.0, "east": 90.0, "southeast": 135.0,
+    "south": 180.0, "southwest": 225.0, "west": 270.0, "northwest": 315.0,
+}  # fmt: skip
+_COMPASS_ELEVATION = math.degrees(math.asin(1 / math.sqrt(3)))
+LIGHTS = (*_COMPASS, "front")
+
+
+def as_light(light: Any, view: View | None = None) -> Light:
+    """Return a light: as given, by name, by world direction or by angles in the view's frame.
+
+    Parameters
+    ----------
+    light : str, (3,) array_like, (azimuth, elevation) or Light
+        Azimuth in degrees clockwise from up, elevation in degrees from the image plane.
+    view : View, optional
+        Whose frame names and angles refer to; the front (x right, y up, z to the eye) if None.
+
+    Raises
+    ------
+    MeshdepictError
+        For an unknown name or anything that is no direction.
+    """
+    if isinstance(light, Light):
+        return light
+    frame = np.eye(3) if view is None else view.frame
+    if isinstance(light, str):
+        if light == "front":
+            return Light(frame[2], light)
+        if light not in _COMPASS:
+            raise MeshdepictError(
+                f"no light is called {light!r}{nearest(light, LIGHTS)} (there are "
+                f"{', '.join(LIGHTS)}; or give azimuth,elevation in degrees or x,y,z)"
+            )
+        return Light(_from_angles(_COMPASS[light], _COMPASS_ELEVATION) @ frame, light)
+    if isinstance(light, (Environment, Lights)):
+        raise MeshdepictError(f"one light is needed here, not several ({light!s:.60})")
+    numbers = numbers_of(light)
+    if numbers.shape == (2,):
+        azimuth, elevation = (float(x) for x in numbers)
+        name = f"azimuth {azimuth:g} elevation {elevation:g}"  # ASCII: captions go into headers
+        return Light(_from_angles(azimuth, elevation) @ frame, name)
+    if numbers.shape == (3,):
+        return Light(light)
+    raise MeshdepictError(
+        f"light={light!r} is neither a name, nor a direction (x, y, z), nor (azimuth, elevation)"
+    )
+
+
+def _from_angles(azimuth: float, elevation: float) -> Vector:
+    a, e = math.radians(azimuth), math.radians(elevation)
+    return np.array([math.sin(a) * math.cos(e), math.cos(a) * math.cos(e), math.sin(e)])
+
+
+def as_lights(light: Any, view: View | None = None, *, count: int = 54) -> list[Light]:
+    """Return several lights: those of a sequence, `count` of an environment, or the one.
+
+    Parameters
+    ----------
+    light : light, sequence of lights, or Environment
+        A light as in `as_light`; a (k, 3) array is a sequence of directions.
+    view : View, optional
+        As in `as_light`.
+    count : int
+        Into how many lights an environment is sampled.
+    """
+    if isinstance(light, Environment):
+        return list(light.lights(count))
+    if not is_several(light):
+        return [as_light(light, view)]
+    lights = [one for item in light for one in as_lights(item, view, count=count)]
+    if not lights:
+        raise MeshdepictError("an empty sequence of lights leaves everything black; give one light")
+    return lights
+
+
+def as_lighting(light: Any, view: View | None = None, *, up: str = "y") -> Any:
+    """Return what a bake is lit by: a `Light`, `Lights`, or an Environment as it is.
+
+    A text that ends in ".hdr" is an Environment's file, whose up is that of the shape.
+    """
+    if isinstance(light, str) and light.lower().endswith(".hdr"):
+        return Environment.from_file(light, up=up)
+    if isinstance(light, Environment):
+        return light
+    return Lights(as_lights(light, view)) if is_several(light) else as_light(light, view)
+
+
+def is_several(light: Any) -> bool:
+    """Whether this is a sequence of lights, and not the numbers of one."""
+    if isinstance(light, (str, Light)) or not hasattr(light, "__len__"):
+        return False
+    return not len(light) or any(
+        isinstance(item, (str, Light, Environment)) or np.ndim(item) for item in light
+    )
+
+
+def as_view(view: str | View, shape: Any, *, up: str = "y") -> View:
+    """Return a view: given as such or by name, then fitted to the shape.
+
+    An image is seen from where it was made: its own view is the front.
+    """
+    if isinstance(view, View):
+        return view
+    own = getattr(shape, "view", None)
+    if own is not None and view in ("front", own.name):
+        return own
+    return View.fitted(view, shape, up=up)

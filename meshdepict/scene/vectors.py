@@ -1,0 +1,42 @@
+"""Vectors as they come in: finite, read-only, of unit length."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from meshdepict.errors import MeshdepictError
+
+__all__ = ["Vector", "frozen", "numbers_of", "unit"]
+
+Vector = NDArray[np.float64]
+
+
+def frozen(array: NDArray[Any]) -> NDArray[Any]:
+    """Make an array read-only, and return it."""
+    array.setflags(write=False)
+    return array
+
+
+def numbers_of(given: Any) -> Vector:
+    """Return a new read-only array of finite numbers, an empty one where that is impossible."""
+    try:
+        array = np.array(given, dtype=np.float64)
+    except (TypeError, ValueError, OverflowError):
+        array = np.empty(0)
+    array = array if np.isfinite(array).all() else np.empty(0)
+    array.setflags(write=False)
+    return array
+
+
+def unit(vector: ArrayLike, what: str) -> Vector:
+    """Return a read-only unit vector; ``what`` it is goes into the sentence if it can't be one."""
+    array = numbers_of(vector)
+    if array.shape != (3,) or not array.any():
+        raise MeshdepictError(f"{what} must be three finite numbers, not all zero, not {vector!r}")
+    array = array / np.abs(array).max()  # so that squares neither overflow nor vanish
+    array /= np.linalg.norm(array)
+    array.setflags(write=False)
+    return array

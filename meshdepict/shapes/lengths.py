@@ -1,0 +1,37 @@
+"""Lengths as people write them: in world units, as a share of the diagonal, or not at all."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from meshdepict.errors import MeshdepictError
+
+__all__ = ["resolve_width"]
+
+
+def resolve_width(width: float | str | None, shape: Any) -> float:
+    """Return a width in world units: a number, "0.2%" of the diagonal, or None.
+
+    None is the shape's own step: a mesh's median edge, a volume's largest spacing, a pixel.
+
+    Raises
+    ------
+    MeshdepictError
+        For what is no positive length.
+    """
+    if width is None:
+        return float(shape.edge_length)
+    try:
+        if isinstance(width, str) and width.strip().endswith("%"):
+            resolved = float(width.strip()[:-1]) / 100 * shape.diagonal
+        else:
+            resolved = float(width)
+    except (TypeError, ValueError):
+        resolved = math.nan
+    if not (0 < resolved < math.inf):
+        raise MeshdepictError(
+            f"width={width!r} is not a positive length, such as 0.5 (world units) or '0.2%' "
+            "(of the diagonal)"
+        )
+    return resolved
