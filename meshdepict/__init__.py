@@ -17,9 +17,8 @@ from meshdepict.errors import MeshdepictError, MeshdepictWarning
 if TYPE_CHECKING:
     from meshdepict import congruence, curvature, shading
     from meshdepict.baking.baked import Baked
+    from meshdepict.baking.look import bake, bake_volume
     from meshdepict.baking.recipe import load_recipe, save_recipe
-    from meshdepict.baking.surfaces import bake
-    from meshdepict.baking.volumes import bake_volume
     from meshdepict.color.transfer_function import TransferFunction
     from meshdepict.congruence.comparison import compare
     from meshdepict.io import read, read_mesh
@@ -39,6 +38,7 @@ __all__ = [
     "Environment",
     "GBuffer",
     "Light",
+    "Look",
     "Mesh",
     "MeshdepictError",
     "MeshdepictWarning",
@@ -66,14 +66,15 @@ _HOME = {
     "Baked": "baking.baked",
     "Environment": "scene.environment",
     "GBuffer": "shapes.gbuffer",
+    "Look": "baking.look",
     "Light": "scene.light",
     "Mesh": "shapes.mesh",
     "ScaleSpace": "scales.space",
     "TransferFunction": "color.transfer_function",
     "View": "scene.view",
     "Volume": "shapes.volume",
-    "bake": "baking.surfaces",
-    "bake_volume": "baking.volumes",
+    "bake": "baking.look",
+    "bake_volume": "baking.look",
     "compare": "congruence.comparison",
     "load_recipe": "baking.recipe",
     "read": "io",

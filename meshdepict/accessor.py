@@ -13,7 +13,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from meshdepict.baking.baked import Baked
-from meshdepict.baking.surfaces import as_mesh, bake
+from meshdepict.baking.look import bake
+from meshdepict.baking.surfaces import as_mesh
 from meshdepict.errors import MeshdepictError
 from meshdepict.options import check, nearest, options_of
 from meshdepict.scales.making import scale_space
@@ -47,7 +48,7 @@ class Depict:
 
     A ``PolyData`` is shaded as it is. An ``ImageData`` with one layer of points is a height field:
     its active scalars are heights, in its units; where they are NaN, the colour is grey. One with
-    several layers is a volume, whose voxels get "RGBA"; see `volume_baking.bake_volume`.
+    several layers is a volume, whose voxels get "RGBA"; see `bake_volume`.
     """
 
     def __init__(self, dataset: Any) -> None:
@@ -99,7 +100,7 @@ class Depict:
 
     def _shade_volume(self, method: str, scalars: str | None, settings: dict[str, Any]) -> Any:
         """Return the image with the voxels' colours and opacities, "RGBA"."""
-        from meshdepict.baking.volumes import bake_volume
+        from meshdepict.baking.look import bake_volume
 
         image = self._dataset
         where, name = scalar_array(image, scalars)

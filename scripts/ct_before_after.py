@@ -16,7 +16,7 @@ from pathlib import Path
 
 from PIL import Image
 
-from meshdepict.baking.volumes import bake_volume
+from meshdepict.baking.look import bake_volume
 from meshdepict.drawing.figure import Figure
 from meshdepict.drawing.volume_picture import draw_volume
 from meshdepict.io.volumes import read_volume

@@ -20,7 +20,7 @@ from typing import Any
 
 import numpy as np
 
-from meshdepict.baking.volumes import bake_volume
+from meshdepict.baking.look import bake_volume
 from meshdepict.scales.grid_scales import GridSpace
 from meshdepict.shapes.phantom import ct_phantom
 from meshdepict.shapes.volume import Volume

@@ -15,6 +15,7 @@ from meshdepict.errors import MeshdepictError
 from meshdepict.scene.view import View
 
 if TYPE_CHECKING:
+    from meshdepict.baking.choices import Choices
     from meshdepict.baking.refinement import EdgeError
     from meshdepict.scales.space import ScaleSpace
 
@@ -37,8 +38,8 @@ class Baked:
         The view that names of lights referred to, and that pictures show.
     space : ScaleSpace or None
         What was shaded, for the next light; None of a refined bake.
-    settings : dict
-        Method, light, colour map and options, as `bake` took them.
+    look : Choices or None
+        How it was baked, with what followed from the shape; None where nobody said.
     """
 
     def __init__(
@@ -50,7 +51,7 @@ class Baked:
         view: View,
         *,
         space: ScaleSpace | None = None,
-        settings: Mapping[str, Any] | None = None,
+        look: Choices | None = None,
         shade: Callable[[ScaleSpace], NDArray[Any]] | None = None,
     ) -> None:
         self.shape = shape
@@ -59,7 +60,7 @@ class Baked:
         self.provenance = dict(provenance)
         self.view = view
         self.space = space
-        self.settings = dict(settings or {})
+        self.look = look
         self._shade = shade
 
     @functools.cached_property
@@ -69,14 +70,11 @@ class Baked:
         None where that can't be said: of a refined bake, two lights, and methods that look at more
         than a sample's own normals and curvature.
         """
-        if self.space is None or self._shade is None:
+        if self.space is None or self._shade is None or self.look is None:
             return None
         from meshdepict.baking.refinement import edge_error
-        from meshdepict.shading.method import declaration
-        from meshdepict.shading.registry import find_method
 
-        linear = declaration(find_method(self.settings["method"])).linear
-        return edge_error(self.space, self._shade, linear=linear)
+        return edge_error(self.space, self._shade, linear=self.look.declared.linear)
 
     def __repr__(self) -> str:
         """Return method and size."""

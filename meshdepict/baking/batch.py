@@ -8,15 +8,16 @@ from __future__ import annotations
 import os
 import time
 import warnings
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from os.path import exists, isdir, realpath  # unlike Path's, these never raise
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from meshdepict.baking.baked import Baked
-from meshdepict.baking.surfaces import bake
+from meshdepict.baking.look import Look
+from meshdepict.baking.surfaces import bake_surface
 from meshdepict.baking.targets import check_target
 from meshdepict.console import about, complain, notes, progress_bar
 from meshdepict.drawing.figure import Figure
@@ -31,7 +32,7 @@ from meshdepict.shapes import samples
 if TYPE_CHECKING:
     from meshdepict.shapes.mesh import Mesh
 
-__all__ = ["Batch", "check_settings", "stem"]
+__all__ = ["Batch", "check_look", "stem"]
 
 _GOLF_BALL = "golf-ball"
 _VISIBLE = 2  # grey levels
@@ -55,8 +56,7 @@ class Batch:
     ----------
     inputs : sequence of Path
         None at all means the built-in golf ball.
-    settings : mapping
-        Keyword arguments of `bake`.
+    look : Look
     output, picture : str, optional
         A file or an existing folder; with several inputs, a folder. Without ``output`` the
         current folder, without ``picture`` no picture.
@@ -71,7 +71,7 @@ class Batch:
     """
 
     inputs: Sequence[Path]
-    settings: Mapping[str, Any]
+    look: Look
     output: str | None = None
     picture: str | None = None
     figure: Figure = field(default_factory=Figure)
@@ -86,9 +86,9 @@ class Batch:
 
     def run(self) -> int:
         """Bake everything that can be baked; return how many failed, each with one line."""
-        check_settings(self.settings)
+        check_look(self.look)
         if self.picture is not None:
-            check_scale(self.settings.get("view"), self.figure)
+            check_scale(self.look.view, self.figure)
         if len(self.inputs) > 1:
             for option, folder in (("-o", self.output), ("--picture", self.picture)):
                 if folder is not None and not (isdir(folder) or _names_folder(folder)):
@@ -129,7 +129,7 @@ class Batch:
         """Choose and check the names of the files to write."""
         if source is not None and not exists(source):
             raise MeshdepictError(f"{source}: there is no such file")
-        name = f"{stem(source)}-{self.settings['method']}"
+        name = f"{stem(source)}-{self.look.method}"
         output = _target(self.output or ".", f"{name}.ply", "-o")
         _check_format(output)
         picture = None
@@ -147,8 +147,8 @@ class Batch:
 
     def _check_fit(self, mesh: Mesh) -> None:
         """Refuse what is too large for its picture, before the long work."""
-        view = self.settings.get("view", "front")
-        frame(as_view(view, mesh, up=self.settings.get("up", "y")), mesh, self.figure)
+        up = self.look.axis(mesh.kind)
+        frame(as_view(self.look.view, mesh, up=up), mesh, self.figure)
 
     def _bake(self, job: Job) -> str:
         """Bake one mesh, write the files and return the line about it."""
@@ -160,7 +160,7 @@ class Batch:
                 mesh = mesh.rewound()
             if job.picture:
                 self._check_fit(mesh)
-            baked = bake(mesh, progress=progress, **self.settings)
+            baked = bake_surface(mesh, self.look, progress=progress)
             baked.save(job.output)
             if job.picture:
                 save_picture(baked, job.picture, self.figure)
@@ -174,8 +174,8 @@ class Batch:
         return _caption(job, baked, time.perf_counter() - start)
 
 
-def check_settings(settings: Mapping[str, Any]) -> None:
-    """Refuse settings that `bake` would refuse, by trying them on a sphere of twelve vertices.
+def check_look(look: Look) -> None:
+    """Refuse a look that `bake` would refuse, by trying it on a sphere of twelve vertices.
 
     Raises
     ------
@@ -184,7 +184,7 @@ def check_settings(settings: Mapping[str, Any]) -> None:
     """
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # what they say is about the sphere
-        bake(samples.sphere(12), **{**settings, "albedo": "none"})
+        bake_surface(samples.sphere(12), look.replace(albedo="none"))
 
 
 def stem(source: Path | None) -> str:

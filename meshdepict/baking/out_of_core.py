@@ -16,42 +16,35 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from meshdepict.baking.voxel_shading import BESIDE, VolumeRecipe, volume_recipe
+from meshdepict.baking.choices import Choices, takes_choices
+from meshdepict.baking.voxel_shading import BESIDE, VoxelShading, voxel_shading
 from meshdepict.errors import MeshdepictError
-from meshdepict.scene.view import View
 from meshdepict.shapes.place import Place
 from meshdepict.voxels.grid import Triple
 from meshdepict.voxels.grid_normals import in_voxels
 from meshdepict.voxels.grid_sums import Piece, halo
 
 if TYPE_CHECKING:
-    from meshdepict.color.transfer_function import TransferFunction
+    pass
 
 __all__ = ["bake_out_of_core", "lazy_rgba"]
 
 _BLOCK = 1 << 24  # voxels of a block that is chosen here
 
 
+@takes_choices
 def bake_out_of_core(
     source: Any,
     out: str | Path,
     method: str = "exaggerated",
     *,
-    transfer: str | TransferFunction,
     spacing: ArrayLike = (1.0, 1.0, 1.0),
     origin: ArrayLike = (0.0, 0.0, 0.0),
     direction: ArrayLike | None = None,
     hounsfield: bool = False,
     value_range: tuple[float, float] | None = None,
     chunks: Triple | None = None,
-    light: Any = "northwest",
-    view: str | View = "front",
-    up: str = "z",
-    scales: int | None = None,
-    width: float | str | None = None,
-    ratio: float | None = None,
-    tolerance: float = 1e-4,
-    **options: Any,
+    **chosen: Any,
 ) -> dict[str, str]:
     """Shade a volume that need not fit into memory, and write RGBA as uint8 (nz, ny, nx, 4).
 
@@ -63,14 +56,14 @@ def bake_out_of_core(
         Values (nz, ny, nx); paths end in .zarr or .npy.
     out : path
         .zarr, or .npy, which is mapped into memory and replaces a file once it is complete.
-    transfer, light, view, up, scales, width, ratio, tolerance, **options
-        As for `bake_volume`.
     spacing, origin, direction, hounsfield
         As for `Volume`.
     value_range : (low, high), optional
         Of the values; looked for, block by block, unless given.
     chunks : (z, y, x), optional
         Voxels of a block.
+    **chosen
+        As for `bake_volume`.
 
     Returns
     -------
@@ -91,12 +84,10 @@ def bake_out_of_core(
         values.shape, value_range,
         spacing=spacing, origin=origin, direction=direction, hounsfield=hounsfield,
     )  # fmt: skip
-    recipe = volume_recipe(
-        place, method, transfer=transfer, light=light, view=view, up=up,
-        scales=scales, width=width, ratio=ratio, tolerance=tolerance, **options,
-    )  # fmt: skip
-    rgba = lazy_rgba(values, recipe, chunks=chunks)
-    provenance = recipe.provenance(None, math.nan)
+    look = Choices(method, **chosen).of_kind("volume")
+    shading = voxel_shading(place, look, transfer=look.transfer)
+    rgba = lazy_rgba(values, shading, chunks=chunks)
+    provenance = shading.provenance(None, math.nan)
     del provenance["shaded"]  # nobody has counted
     path = Path(out)
     alone = dask.base.get_scheduler() is None
@@ -110,14 +101,14 @@ def bake_out_of_core(
     return provenance
 
 
-def lazy_rgba(values: Any, recipe: VolumeRecipe, *, chunks: Triple | None = None) -> Any:
+def lazy_rgba(values: Any, shading: VoxelShading, *, chunks: Triple | None = None) -> Any:
     """Return RGBA (nz, ny, nx, 4) as a dask array that is shaded where it is asked for.
 
     Parameters
     ----------
     values : dask.array.Array
         (nz, ny, nx).
-    recipe : VolumeRecipe
+    shading : VoxelShading
         Of the whole volume.
     chunks : (z, y, x), optional
         Voxels of a block; more where normals reach further.
@@ -129,10 +120,10 @@ def lazy_rgba(values: Any, recipe: VolumeRecipe, *, chunks: Triple | None = None
     """
     import dask.array as da
 
-    recipe.refuse_pieces("this volume is shaded block by block: bake a smaller one in memory")
+    shading.refuse_pieces("this volume is shaded block by block: bake a smaller one in memory")
     shape: Triple = (values.shape[0], values.shape[1], values.shape[2])
-    widths = np.array([in_voxels(float(width), recipe.shape) for width in recipe.widths])
-    reach = halo(shape, widths, recipe.tolerance)
+    widths = np.array([in_voxels(float(width), shading.shape) for width in shading.widths])
+    reach = halo(shape, widths, shading.tolerance)
     depth = tuple(min(r + BESIDE, n) for r, n in zip(reach, shape, strict=True))
     values = values.rechunk(_blocks(shape, depth, chunks))
     starts = [np.concatenate(([0], np.cumsum(sizes)))[:-1] for sizes in values.chunks]
@@ -143,7 +134,7 @@ def lazy_rgba(values: Any, recipe: VolumeRecipe, *, chunks: Triple | None = None
         sizes = (values.chunks[axis][i] for axis, i in enumerate(place))
         high = tuple(a + int(n) for a, n in zip(low, sizes, strict=True))
         corner = tuple(max(a - d, 0) for a, d in zip(low, depth, strict=True))
-        return recipe.rgba(Piece(block, corner, shape, recipe.shape.range), low, high)[0]  # type: ignore[arg-type]
+        return shading.rgba(Piece(block, corner, shape, shading.shape.range), low, high)[0]  # type: ignore[arg-type]
 
     return da.map_overlap(
         shade,

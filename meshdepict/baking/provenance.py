@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from meshdepict.files.mark import MARK, VERSION
@@ -10,52 +10,42 @@ from meshdepict.options import as_text, options_of
 from meshdepict.shapes.document import Document
 
 if TYPE_CHECKING:
+    from meshdepict.baking.choices import Choices
     from meshdepict.scales.space import ScaleSpace
-    from meshdepict.scene.light import Light
-    from meshdepict.scene.view import View
     from meshdepict.shapes.mesh import Mesh
 
 __all__ = ["comment_lines", "describe", "was_baked"]
 
 
-def describe(
-    function: Callable[..., Any],
-    space: ScaleSpace,
-    *,
-    options: Mapping[str, Any],
-    light: Light,
-    view: str | View,
-    up: str,
-    colormap: str | None,
-    albedo: str,
-) -> dict[str, str]:
+def describe(look: Choices, space: ScaleSpace, *, light: Any) -> dict[str, str]:
     """Return what was shaded, and how, by keyword.
 
     Parameters
     ----------
-    function : shading function
+    look : Choices
+        Options that were not chosen have their defaults.
     space : ScaleSpace
-    options : mapping
-        Those given; the others have their defaults.
-    light, view, up, colormap, albedo
-        As for `bake`.
+    light : Light, Lights or Environment
+        What the look's light became in its view.
     """
-    values = {name: options.get(name, o.default) for name, o in options_of(function).items()}
+    values = {
+        name: look.options.get(name, o.default) for name, o in options_of(look.function).items()
+    }
     occlusion = [
         f"{rays} rays, rms error {error:.2g}" for rays, error in space.occlusion_errors.items()
     ]
     return {
         "version": VERSION,
-        "method": function.__name__,
+        "method": look.method,
         "options": " ".join(
             f"{name}={as_text(value)}" for name, value in values.items() if value is not None
         ),
         "scales": _scales(space),
         **({"occlusion": "; ".join(occlusion)} if occlusion else {}),
         "light": str(light),
-        "view": f"{view}, up {up}" if isinstance(view, str) else str(view),
-        "colormap": colormap or "gray",
-        "albedo": albedo,
+        "view": f"{look.view}, up {look.up}" if isinstance(look.view, str) else str(look.view),
+        "colormap": look.colormap or look.colormap2d or "gray",
+        "albedo": look.albedo,
         space.shape.kind: space.shape.identity,
     }
 

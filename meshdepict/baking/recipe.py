@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import inspect
 import json
 import os
 import tomllib
@@ -11,22 +10,18 @@ from os.path import exists
 from pathlib import Path
 from typing import Any
 
-from meshdepict.baking.surfaces import bake
+from meshdepict.baking.choices import Choices, choice_fields
+from meshdepict.color.transfer import PRESETS
+from meshdepict.color.transfer_function import TransferFunction
 from meshdepict.errors import MeshdepictError
 from meshdepict.files.atomic import atomic_write
 from meshdepict.files.mark import VERSION
 from meshdepict.options import check, nearest, options_of
 from meshdepict.scene.light import Light
-from meshdepict.scene.view import View
+from meshdepict.scene.view import VIEWS, View
 from meshdepict.shading.registry import find_method
 
-__all__ = ["LOOK", "load_recipe", "merge_recipe", "save_recipe"]
-
-LOOK = (
-    "method", "light", "view", "up", "scales", "width", "ratio", "facing", "tolerance",
-    "colormap", "colormap2d", "albedo", "refine",
-)  # fmt: skip
-"""What a recipe holds beside the method's options: keywords of `bake`."""
+__all__ = ["load_recipe", "merge_recipe", "save_recipe"]
 
 _SIGHT = ("position", "focus", "up", "height_px", "field_of_view", "parallel_scale")
 
@@ -49,14 +44,14 @@ def load_recipe(path: str | os.PathLike[str]) -> dict[str, Any]:
         raise MeshdepictError(f"{path} is no recipe in TOML: {error}") from None
     options = read.pop("options", {})
     for name in read:
-        if name not in LOOK:
+        if name not in choice_fields():
             raise MeshdepictError(
-                f"{path}: recipes have no {name!r}{nearest(name, LOOK)} (they have "
-                f"{', '.join(LOOK)} and the table [options])"
+                f"{path}: recipes have no {name!r}{nearest(name, choice_fields())} (they have "
+                f"{', '.join(choice_fields())} and the table [options])"
             )
     if not isinstance(options, Mapping):
         raise MeshdepictError(f"{path}: options must be a table, [options]")
-    method = read.setdefault("method", _default("method"))
+    method = read.setdefault("method", choice_fields()["method"].default)
     options = check(find_method(method), options, f"{path}: {method}")
     if isinstance(read.get("view"), Mapping):
         read["view"] = _view(path, read["view"])
@@ -68,21 +63,26 @@ def load_recipe(path: str | os.PathLike[str]) -> dict[str, Any]:
 def merge_recipe(recipe: Mapping[str, Any], given: Mapping[str, Any]) -> dict[str, Any]:
     """Return a recipe with what was given in its place; another method drops its options."""
     if given.get("method", recipe["method"]) != recipe["method"]:
-        recipe = {name: value for name, value in recipe.items() if name in LOOK}
+        recipe = {name: value for name, value in recipe.items() if name in choice_fields()}
     return {**recipe, **given}
 
 
 def save_recipe(
-    path: str | os.PathLike[str], settings: Mapping[str, Any], *, force: bool = False
+    path: str | os.PathLike[str],
+    look: Choices | Mapping[str, Any],
+    *,
+    force: bool = False,
 ) -> None:
-    """Write keyword arguments of `bake` as a recipe, today's defaults included.
+    """Write a look as a recipe, today's defaults included.
 
-    Only a width that follows from the mesh, the median edge, is left out.
+    Left out is only what follows from the shape: a width that is the median edge, and which axis
+    is up where nobody said.
 
     Parameters
     ----------
     path : path
-    settings : mapping
+    look : Choices or mapping
+        A mapping has the keywords of `bake`.
     force : bool
         Whether to replace a file that is no recipe.
 
@@ -92,26 +92,25 @@ def save_recipe(
         For settings that no file can hold, such as a material, and where the file may not be
         replaced or written.
     """
-    from meshdepict.shading.method import declaration
-
     path = Path(path)
-    method = settings.get("method", _default("method"))
-    function = find_method(method)
-    declared = declaration(function)
-    look = {name: settings.get(name, _default(name)) for name in LOOK}
-    look["method"] = method
-    if look["scales"] is None or declared.scales == 0:
-        look["scales"] = declared.scales
-    look["ratio"] = look["ratio"] or declared.ratio
-    if isinstance(look["light"], Light):
-        look["light"] = look["light"].direction.tolist()
-    if isinstance(look["view"], View):
-        fields = ((name, getattr(look["view"], name)) for name in _SIGHT)
-        look["view"] = {name: value for name, value in fields if value is not None}
-    given = {name: value for name, value in settings.items() if name not in LOOK}
-    options = {name: option.default for name, option in options_of(function).items()}
-    options |= check(function, given, method)
-    lines = [f"{_MARK}, written by version {VERSION}", *_lines(look)]
+    look = look if isinstance(look, Choices) else Choices(**look)
+    declared = look.declared
+    fields = {name: getattr(look, name) for name in choice_fields()}
+    if look.scales is None or declared.scales == 0:
+        fields["scales"] = declared.scales
+    fields["ratio"] = look.ratio or declared.ratio
+    if isinstance(look.light, Light):
+        fields["light"] = look.light.direction.tolist()
+    if isinstance(look.view, View) and look.view.name in VIEWS:
+        fields["view"] = look.view.name
+    elif isinstance(look.view, View):
+        sight = ((name, getattr(look.view, name)) for name in _SIGHT)
+        fields["view"] = {name: value for name, value in sight if value is not None}
+    if isinstance(look.transfer, TransferFunction) and look.transfer.name in PRESETS:
+        fields["transfer"] = look.transfer.name
+    options = {name: option.default for name, option in options_of(look.function).items()}
+    options |= look.options
+    lines = [f"{_MARK}, written by version {VERSION}", *_lines(fields)]
     text = "\n".join([*lines, "", "[options]", *_lines(options), ""])
     if not force and exists(path) and not _is_recipe(path):
         raise MeshdepictError(
@@ -119,10 +118,6 @@ def save_recipe(
         )
     with atomic_write(path) as stream:
         stream.write(text.encode())
-
-
-def _default(name: str) -> Any:
-    return inspect.signature(bake).parameters[name].default
 
 
 def _is_recipe(path: Path) -> bool:

@@ -1,11 +1,9 @@
-"""Baking: from a shape and a method's name to colours on the shape, in one line."""
+"""Baking surfaces: meshes, and what images show of them."""
 
 from __future__ import annotations
 
 import functools
-import inspect
 import os
-from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -13,166 +11,85 @@ from numpy.typing import NDArray
 
 from meshdepict import color
 from meshdepict.baking.baked import Baked
+from meshdepict.baking.choices import Choices, choice_fields
 from meshdepict.baking.provenance import describe, was_baked
-from meshdepict.color import colormaps2d as color2d
+from meshdepict.color import colormaps2d
 from meshdepict.errors import MeshdepictError
-from meshdepict.options import check, options_of
+from meshdepict.scales.ladder import Progress
 from meshdepict.scales.making import scale_space
 from meshdepict.scales.space import ScaleSpace
 from meshdepict.scene.names import as_light, as_lighting, as_view
-from meshdepict.scene.view import View
 
 if TYPE_CHECKING:
     from meshdepict.shapes.mesh import Mesh
 
-__all__ = ["Baked", "as_mesh", "bake", "own_colors", "refuse_other_scales"]
+__all__ = ["as_mesh", "bake_surface", "own_colors", "refuse_other_scales"]
 
 
-def bake(
-    shape: Any,
-    method: str = "exaggerated",
-    *,
-    light: Any = "northwest",
-    view: str | View = "front",
-    up: str = "y",
-    scales: int | None = None,
-    width: float | str | None = None,
-    ratio: float | None = None,
-    facing: int = 1,
-    tolerance: float = 1e-4,
-    colormap: str | None = None,
-    colormap2d: str | None = None,
-    albedo: str = "none",
-    refine: float | None = None,
-    progress: Callable[[float, float], None] | None = None,
-    **options: Any,
-) -> Baked:
-    """Shade a shape by a method and turn the result into colours.
+def bake_surface(shape: Any, look: Choices, *, progress: Progress | None = None) -> Baked:
+    """Shade a mesh or an image; see `bake`.
 
     Parameters
     ----------
     shape : path, Mesh, GBuffer, ScaleSpace, pyvista.PolyData or trimesh.Trimesh
-        A `ScaleSpace` is used as it is: several bakes can share one. What it was made with can't
-        be asked for again.
-    method : str
-        A name of `shading.METHODS`.
-    light : str, (3,) array_like, (azimuth, elevation) or Light
-        For some methods also a sequence of these, or an Environment or its file (.hdr).
-        Names and angles refer to the view.
-    view : str or View
-        "front", "top", …; fitted to the shape.
-    up : {"y", "z", "-y", "-z"}
-        Which axis of the shape points up.
-    scales, width, ratio, facing, tolerance
-        See `scale_space`; None takes what the method declares.
-    colormap : str, optional
-        Name of a 1D colour map of the result; grey unless given.
-    colormap2d : {"dusk", "earth", "swiss"}, optional
-        A map of two results: under the light, and under the light turned by 90° clockwise as the
-        view sees it (northwest and northeast).
-    albedo : {"none", "keep"}
-        "keep" multiplies the shape's own vertex colours, in linear light.
-    refine : float, optional
-        Split the triangles inside which interpolated colours are off by more than so many of 255
-        grey levels, until they are not (five times at most); see `Baked.edge_error`. New vertices
-        come after the old ones.
+    look : Choices
     progress : callable, optional
         ``progress(done, total)``.
-    **options
-        The method's own options.
-
-    Returns
-    -------
-    Baked
-
-    Raises
-    ------
-    MeshdepictError
-        For anything unknown or out of range.
     """
-    from meshdepict.shading.method import declaration
-    from meshdepict.shading.registry import find_method
-
-    function = find_method(method)
-    declared = declaration(function)
-    options = check(function, options, method)
-    is_image = _kind(shape) == "image"
-    if is_image and "curvature" in options_of(function):
-        options = {"curvature": "view"} | options  # as its paper has it; see `features`
-    if colormap is not None:
-        color.colormap(colormap)
-        if colormap2d is not None:
-            raise MeshdepictError("colormap and colormap2d exclude each other: give one of them")
-    if colormap2d is not None:
-        color2d.colormap2d(colormap2d)
-    if albedo not in ("none", "keep"):
-        raise MeshdepictError(f"albedo={albedo!r} is neither 'keep' nor 'none'")
+    kind = _kind(shape) or "mesh"
+    chosen, look = look, look.of_kind(kind)
+    up, (scales, ratio) = look.axis(kind), look.ladder
     if isinstance(shape, ScaleSpace):
         mesh: Any = shape.shape
     else:
-        mesh = shape if is_image else as_mesh(shape)
-    own = own_colors(mesh) if albedo == "keep" else None
-    eye = as_view(view, mesh, up=up)
-    lamp = as_lighting(light, eye, up=up) if colormap2d is None else as_light(light, eye)
+        mesh = shape if kind == "image" else as_mesh(shape)
+    own = own_colors(mesh) if look.albedo == "keep" else None
+    eye = as_view(look.view, mesh, up=up)
+    lamp = (
+        as_lighting(look.light, eye, up=up)
+        if look.colormap2d is None
+        else as_light(look.light, eye)
+    )
     if isinstance(shape, ScaleSpace):
         space = shape
-        asked = {"scales": scales, "width": width, "ratio": ratio}
-        refuse_other_scales(space, asked | {"facing": facing, "tolerance": tolerance})
+        refuse_other_scales(space, chosen)
     else:
         space = scale_space(
-            mesh,
-            scales=declared.scales if scales is None or declared.scales == 0 else scales,
-            width=width,
-            ratio=declared.ratio if ratio is None else ratio,
-            facing=facing,
-            tolerance=tolerance,
-            progress=progress,
-        )
-    needed = {"view": eye} if "view" in inspect.signature(function).parameters else {}
+            mesh, scales=scales, width=look.width, ratio=ratio, facing=look.facing,
+            tolerance=look.tolerance, progress=progress,
+        )  # fmt: skip
+    linear = look.declared.linear
+    local = look.declared.local and look.colormap2d is None and mesh.kind == "mesh"
 
     def shade(lamp: Any, space: ScaleSpace = space) -> NDArray[np.float32]:
-        return function(space, lamp, **needed, **options)
+        return look.shade(space, lamp, eye)
 
-    linear = declared.linear
-    local = declared.local and colormap2d is None and mesh.kind == "mesh"
     each = functools.partial(shade, lamp)  # of samples of any scale space of the mesh
-    if refine is not None:
+    if look.refine is not None:
         if not local:
             raise MeshdepictError(
                 "refine is for meshes, one light and methods that shade each sample by itself: "
-                f"leave it out with {method if colormap2d is None else 'colormap2d'}"
+                f"leave it out with {look.method if look.colormap2d is None else 'colormap2d'}"
             )
         from meshdepict.baking.refinement import refine as refined
 
-        mesh, intensity = refined(space, each, linear=linear, levels=refine)
-        own = own_colors(mesh) if albedo == "keep" else None
-    elif colormap2d is None:
+        mesh, intensity = refined(space, each, linear=linear, levels=look.refine)
+        own = own_colors(mesh) if look.albedo == "keep" else None
+    elif look.colormap2d is None:
         intensity = shade(lamp)
     else:
-        intensity = color2d.both_lights(shade, lamp, eye, colormap2d, linear=linear)
+        intensity = colormaps2d.both_lights(shade, lamp, eye, look.colormap2d, linear=linear)
         linear = False
-    colors = color.encode(intensity, linear=linear, colormap=colormap)
+    colors = color.encode(intensity, linear=linear, colormap=look.colormap)
     if own is not None:
         colors = color.multiply_albedo(colors / np.float32(255), own, linear=False)
-    provenance = describe(
-        function,
-        space,
-        options=options,
-        light=lamp,
-        view=view,
-        up=up,
-        colormap=colormap or colormap2d,
-        albedo=albedo,
-    )
-    if refine is not None:
-        provenance["refined"] = f"to {refine:g} grey levels, {len(mesh.faces)} triangles"
+    provenance = describe(look, space, light=lamp)
+    if look.refine is not None:
+        provenance["refined"] = f"to {look.refine:g} grey levels, {len(mesh.faces)} triangles"
     return Baked(
         mesh, intensity, colors, provenance, eye,
-        space=None if refine is not None else space, shade=each if local else None,
-        settings={
-            "method": method, "light": lamp, "up": up, "colormap": colormap,
-            "colormap2d": colormap2d, "albedo": albedo, **options,
-        },
+        space=None if look.refine is not None else space, shade=each if local else None,
+        look=look.replace(light=lamp),
     )  # fmt: skip
 
 
@@ -223,11 +140,11 @@ def own_colors(mesh: Mesh) -> NDArray[np.uint8]:
     )
 
 
-def refuse_other_scales(space: ScaleSpace, asked: Mapping[str, Any]) -> None:
+def refuse_other_scales(space: ScaleSpace, chosen: Choices) -> None:
     """Refuse to ask a finished scale space for what it wasn't made with."""
-    parameters = inspect.signature(bake).parameters
-    for name, value in asked.items():
-        if value not in (parameters[name].default, getattr(space, name, None)):
+    for name in ("scales", "width", "ratio", "facing", "tolerance"):
+        value = getattr(chosen, name)
+        if value not in (choice_fields()[name].default, getattr(space, name, None)):
             raise MeshdepictError(
                 f"{name}={value!r} comes too late: this ScaleSpace has been made; leave it out, or "
                 "bake the mesh"

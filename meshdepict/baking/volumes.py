@@ -11,13 +11,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from meshdepict.baking.choices import Choices
 from meshdepict.baking.provenance import comment_lines
 from meshdepict.baking.surfaces import refuse_other_scales
-from meshdepict.baking.voxel_shading import VolumeRecipe, volume_recipe
+from meshdepict.baking.voxel_shading import VoxelShading, voxel_shading
 from meshdepict.errors import MeshdepictError
 from meshdepict.scales.grid_scales import MEMORY, GridSpace, sample_bytes, space_of_mask
 from meshdepict.scales.ladder import Progress
-from meshdepict.scene.view import View
 from meshdepict.voxels.grid_samples import shaded_voxels
 from meshdepict.voxels.grid_sums import Piece
 
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from meshdepict.color.transfer_function import TransferFunction
     from meshdepict.shapes.volume import Volume
 
-__all__ = ["BakedVolume", "bake_volume"]
+__all__ = ["BakedVolume", "as_volume", "bake_grid", "is_volume"]
 
 
 class BakedVolume:
@@ -47,19 +47,19 @@ class BakedVolume:
 
     def __init__(
         self,
-        recipe: VolumeRecipe,
+        shading: VoxelShading,
         *,
         space: GridSpace | None = None,
         intensity: NDArray[np.float32] | None = None,
         rgba: NDArray[np.uint8] | None = None,
         shaded_share: float,
     ) -> None:
-        self.shape: Any = recipe.shape
-        self.view = recipe.view
+        self.shape: Any = shading.shape
+        self.view = shading.view
         self.space, self.intensity = space, intensity
         self.shaded_share = shaded_share
-        self.provenance = recipe.provenance(space, shaded_share)
-        self._recipe = recipe
+        self.provenance = shading.provenance(space, shaded_share)
+        self._shading = shading
         if rgba is not None:
             self.rgba = rgba
 
@@ -70,14 +70,19 @@ class BakedVolume:
         return f"<BakedVolume: {method} on {self.shaded_share:.1%} of {nx} x {ny} x {nz} voxels>"
 
     @property
+    def look(self) -> Choices:
+        """How it was baked, with what followed from the volume."""
+        return self._shading.look
+
+    @property
     def transfer(self) -> TransferFunction | None:
         """What is shown, in the volume's unit."""
-        return self._recipe.transfer
+        return self._shading.transfer
 
     @property
     def linear(self) -> bool:
         """Whether the intensity is linear light, and not a display value."""
-        return self._recipe.linear
+        return self._shading.linear
 
     @cached_property
     def rgba(self) -> NDArray[np.uint8]:
@@ -89,7 +94,7 @@ class BakedVolume:
         assert self.space is not None
         assert self.intensity is not None
         rgba = np.zeros((*self.shape.counts, 4), np.uint8)
-        self._recipe.paint(self.space, self.intensity, rgba, (0, 0, 0))
+        self._shading.paint(self.space, self.intensity, rgba, (0, 0, 0))
         return rgba
 
     def save(self, path: str | Path) -> Path:
@@ -112,83 +117,53 @@ class BakedVolume:
         return image_of(self.rgba, self.shape)
 
 
-def bake_volume(
-    volume: Any,
-    method: str = "exaggerated",
-    *,
-    transfer: str | TransferFunction | None = None,
-    light: Any = "northwest",
-    view: str | View = "front",
-    up: str = "z",
-    scales: int | None = None,
-    width: float | str | None = None,
-    ratio: float | None = None,
-    tolerance: float = 1e-4,
-    memory: float = MEMORY,
-    progress: Progress | None = None,
-    **options: Any,
+def bake_grid(
+    volume: Any, look: Choices, *, memory: float = MEMORY, progress: Progress | None = None
 ) -> BakedVolume:
-    """Shade the voxels that a transfer function shows, in its colours.
+    """Shade a volume; see `bake_volume`.
 
     Parameters
     ----------
     volume : path, Volume or GridSpace
-        A `GridSpace` is used as it is: a new light or method takes a moment.
-    method : str
-        A name of `shading.METHODS`. Those that cast rays need a surface, and say so.
-    transfer : str or TransferFunction, optional
-        Opacity and base colour; a preset's name, a .toml file or a function. "bone" unless given;
-        a `GridSpace` has its own.
-    light, view, up
-        As for `bake`; z points up unless said otherwise, as in a patient's frame, so that "front"
-        is the patient's. Normals point towards lower values.
-    scales, width, ratio, tolerance
-        See `scale_space`; None takes what the method declares, and for the width the largest
-        spacing.
-    memory : float
-        Bytes that normals may take. Where they would take more, the volume is shaded slab by slab,
-        and every new light starts from the beginning.
-    progress : callable, optional
-        ``progress(done, total)``.
-    **options
-        The method's own options.
-
-    Raises
-    ------
-    MeshdepictError
-        For anything unknown or out of range, where nothing is shown, and for methods that cannot
-        be had slab by slab.
+    look : Choices
+    memory, progress
+        As for `bake_volume`.
     """
     space = volume if isinstance(volume, GridSpace) else None
+    chosen, look = look, look.of_kind("volume")
     if space is not None:
-        asked = {"scales": scales, "width": width, "ratio": ratio, "tolerance": tolerance}
-        refuse_other_scales(space, asked)
-        if transfer is not None and transfer is not space.transfer:
+        refuse_other_scales(space, chosen)
+        if chosen.transfer is not None and chosen.transfer is not space.transfer:
             raise MeshdepictError(
                 "the transfer function comes too late: this GridSpace has been made with one; "
                 "leave it out, or bake the volume"
             )
-        recipe = volume_recipe(
-            space.shape, method, transfer=space.transfer, light=light, view=view, up=up,
-            widths=space.widths, ratio=space.ratio, tolerance=space.tolerance, **options,
-        )  # fmt: skip
+        made = {"scales": len(space.widths) - 1, "ratio": space.ratio, "transfer": space.transfer}
+        look = look.replace(**made, tolerance=space.tolerance)
+        shading = voxel_shading(space.shape, look, transfer=space.transfer, widths=space.widths)
     else:
         shape = as_volume(volume)
-        recipe = volume_recipe(
-            shape, method, transfer="bone" if transfer is None else transfer,
-            light=light, view=view, up=up,
-            scales=scales, width=width, ratio=ratio, tolerance=tolerance, **options,
-        )  # fmt: skip
-        mask = shaded_voxels(shape, None, recipe.transfer)
+        shading = voxel_shading(shape, look, transfer=look.transfer)
+        mask = shaded_voxels(shape, None, shading.transfer)
         counts = np.count_nonzero(mask, axis=(1, 2))
-        if counts.sum() * sample_bytes(len(recipe.widths)) > memory:
-            return _by_slabs(recipe, counts, memory, progress)
+        if counts.sum() * sample_bytes(len(shading.widths)) > memory:
+            return _by_slabs(shading, counts, memory, progress)
         space = space_of_mask(
-            shape, mask, recipe.widths, recipe.ratio,
-            transfer=recipe.transfer, tolerance=tolerance, memory=memory, progress=progress,
+            shape, mask, shading.widths, shading.ratio,
+            transfer=shading.transfer, tolerance=look.tolerance, memory=memory, progress=progress,
         )  # fmt: skip
-    intensity = recipe.shade(space)
-    return BakedVolume(recipe, space=space, intensity=intensity, shaded_share=space.shaded_share)
+    intensity = shading.shade(space)
+    return BakedVolume(shading, space=space, intensity=intensity, shaded_share=space.shaded_share)
+
+
+def is_volume(shape: Any) -> bool:
+    """Whether this is a volume, its scale space, its file or PyVista's image data."""
+    if isinstance(shape, (str, os.PathLike)):
+        from meshdepict.io.volumes import is_volume_path
+
+        return is_volume_path(shape)
+    sampled = shape.shape if isinstance(shape, GridSpace) else shape
+    return getattr(sampled, "kind", None) == "volume" or hasattr(shape, "GetSpacing")
 
 
 def as_volume(volume: Any) -> Volume:
@@ -210,23 +185,23 @@ def as_volume(volume: Any) -> Volume:
 
 
 def _by_slabs(
-    recipe: VolumeRecipe, counts: NDArray[np.intp], memory: float, progress: Progress | None
+    shading: VoxelShading, counts: NDArray[np.intp], memory: float, progress: Progress | None
 ) -> BakedVolume:
     """Shade slab by slab, none of which has more samples than memory allows."""
-    recipe.refuse_pieces(
+    shading.refuse_pieces(
         "their normals take more memory than allowed: allow more with memory=, or show fewer voxels"
     )
-    values = recipe.shape.values
+    values = shading.shape.values
     nz, ny, nx = values.shape
-    piece = Piece(values, (0, 0, 0), (nz, ny, nx), recipe.shape.range)
+    piece = Piece(values, (0, 0, 0), (nz, ny, nx), shading.shape.range)
     rgba, shaded = np.zeros((nz, ny, nx, 4), np.uint8), 0
-    most = memory / sample_bytes(len(recipe.widths))
+    most = memory / sample_bytes(len(shading.widths))
     for begin, end in _groups(counts, most):
-        rgba[begin:end], count = recipe.rgba(piece, (begin, 0, 0), (end, ny, nx))
+        rgba[begin:end], count = shading.rgba(piece, (begin, 0, 0), (end, ny, nx))
         shaded += count
         if progress:
             progress(end, nz)
-    return BakedVolume(recipe, rgba=rgba, shaded_share=shaded / values.size)
+    return BakedVolume(shading, rgba=rgba, shaded_share=shaded / values.size)
 
 
 def _groups(counts: NDArray[np.intp], most: float) -> Iterator[tuple[int, int]]:

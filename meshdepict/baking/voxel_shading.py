@@ -1,9 +1,7 @@
-"""Recipes for voxels: all that shading takes but the voxels themselves."""
+"""Shading voxels: all that it takes but the voxels themselves."""
 
 from __future__ import annotations
 
-import inspect
-from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -11,14 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshdepict import color
+from meshdepict.baking.choices import Choices
 from meshdepict.baking.provenance import describe
 from meshdepict.errors import MeshdepictError
-from meshdepict.options import check
 from meshdepict.scales.grid_scales import GridSpace, piece_space
 from meshdepict.scales.ladder import check_ladder, ladder
 from meshdepict.scene.names import as_lighting, as_view
 from meshdepict.scene.view import View
-from meshdepict.shading.registry import find_method
 from meshdepict.shapes.lengths import resolve_width
 from meshdepict.threads import each, spans
 from meshdepict.voxels.grid import Triple
@@ -29,7 +26,7 @@ if TYPE_CHECKING:
     from meshdepict.color.transfer_function import TransferFunction
     from meshdepict.voxels.grid import Grid
 
-__all__ = ["BESIDE", "VolumeRecipe", "volume_recipe"]
+__all__ = ["BESIDE", "VoxelShading", "voxel_shading"]
 
 BESIDE = 2
 """How many voxels around a box have a say in it, beyond what their own normals reach."""
@@ -40,16 +37,13 @@ _FLAT = 0.5  # display value of what is shown but has no normal: the middle of a
 
 
 @dataclass(frozen=True)
-class VolumeRecipe:
+class VoxelShading:
     """All that shading voxels takes but the voxels: the same for a volume, a slab or a block."""
 
     shape: Grid
-    function: Callable[..., Any]
-    options: Mapping[str, Any]
+    look: Choices
     light: Any
     view: View
-    given_view: str | View
-    up: str
     widths: NDArray[np.float64]
     ratio: float
     tolerance: float
@@ -58,15 +52,12 @@ class VolumeRecipe:
     @property
     def linear(self) -> bool:
         """Whether the method's values are linear."""
-        from meshdepict.shading.method import declaration
-
-        return declaration(self.function).linear
+        return self.look.declared.linear
 
     def shade(self, space: GridSpace) -> NDArray[np.float32]:
         """Return the method's values for the samples of a space."""
-        seen = "view" in inspect.signature(self.function).parameters
-        needed = {"view": self.view} if seen else {}
-        return self.function(space, self.light, **needed, **self.options)
+        shaded: NDArray[np.float32] = self.look.shade(space, self.light, self.view)
+        return shaded
 
     def paint(
         self,
@@ -126,10 +117,8 @@ class VolumeRecipe:
 
     def refuse_pieces(self, why: str) -> None:
         """Refuse a method that can't be had in pieces."""
-        from meshdepict.shading.method import declaration
-
-        if not declaration(self.function).local:
-            raise MeshdepictError(f"{self.function.__name__} needs all voxels at once, and {why}")
+        if not self.look.declared.local:
+            raise MeshdepictError(f"{self.look.method} needs all voxels at once, and {why}")
 
     def provenance(self, space: GridSpace | None, share: float) -> dict[str, str]:
         """Return what was shaded, and how."""
@@ -140,16 +129,9 @@ class VolumeRecipe:
                 self.shape, piece, none, self.widths, self.ratio,
                 transfer=self.transfer, tolerance=self.tolerance,
             )  # fmt: skip
-        described = describe(
-            self.function,
-            space,
-            options=self.options,
-            light=self.light,
-            view=self.given_view,
-            up=self.up,
-            colormap=None,
-            albedo="none" if self.transfer is None else f"transfer function {self.transfer.name}",
-        )
+        described = describe(self.look, space, light=self.light)
+        if self.transfer is not None:
+            described["albedo"] = f"transfer function {self.transfer.name}"
         return described | {"shaded": f"{share:.3%} of the voxels"}
 
 
@@ -167,45 +149,39 @@ def _box(low: Triple, high: Triple, corner: Triple) -> tuple[slice, ...]:
     return tuple(slice(a - c, b - c) for a, b, c in zip(low, high, corner, strict=True))
 
 
-def volume_recipe(
+def voxel_shading(
     shape: Grid,
-    method: str,
+    look: Choices,
     *,
     transfer: str | TransferFunction | None,
-    light: Any,
-    view: str | View,
-    up: str,
-    scales: int | None = None,
-    width: float | str | None = None,
-    ratio: float | None = None,
-    tolerance: float,
     widths: NDArray[np.float64] | None = None,
-    **options: Any,
-) -> VolumeRecipe:
-    """Check all that shading a volume takes; parameters as for `bake_volume`."""
-    from meshdepict.color.transfer import for_volume
-    from meshdepict.shading.method import declaration
+) -> VoxelShading:
+    """Check all that shading a volume takes.
 
-    function = find_method(method)
-    declared = declaration(function)
-    options = check(function, options, method)
-    ratio = declared.ratio if ratio is None else ratio
+    Parameters
+    ----------
+    shape : Grid
+    look : Choices
+        Of a volume; see `Choices.of_kind`.
+    transfer : str or TransferFunction, optional
+        What is shown; the whole grid unless given.
+    widths : (scales + 1,) array, optional
+        Of a scale space that has been made; else they follow from the look.
+    """
+    from meshdepict.color.transfer import for_volume
+
+    up, (scales, ratio) = look.axis(shape.kind), look.ladder
     if widths is None:
-        scales = declared.scales if scales is None or declared.scales == 0 else scales
-        check_ladder(scales, ratio, 0, tolerance)
-        first = resolve_width(width, shape)
-        widths = ladder(scales, ratio, first)
-    eye = as_view(view, shape, up=up)
-    return VolumeRecipe(
+        check_ladder(scales, ratio, 0, look.tolerance)
+        widths = ladder(scales, ratio, resolve_width(look.width, shape))
+    eye = as_view(look.view, shape, up=up)
+    return VoxelShading(
         shape=shape,
-        function=function,
-        options=options,
-        light=as_lighting(light, eye, up=up),
+        look=look,
+        light=as_lighting(look.light, eye, up=up),
         view=eye,
-        given_view=view,
-        up=up,
         widths=widths,
         ratio=float(ratio),
-        tolerance=tolerance,
+        tolerance=look.tolerance,
         transfer=None if transfer is None else for_volume(transfer, shape),
     )

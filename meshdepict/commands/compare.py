@@ -7,9 +7,8 @@ from typing import Annotated, Any, Literal
 
 from cyclopts import Parameter
 
-from meshdepict import threads
 from meshdepict.commands import parameters
-from meshdepict.commands.parameters import DETAIL, FILES, LOOK
+from meshdepict.commands.parameters import DETAIL, FILES, LOOK, Everywhere, LookWords, takes_words
 from meshdepict.console import notes, progress_bar
 from meshdepict.errors import MeshdepictError
 
@@ -18,6 +17,10 @@ __all__ = ["compare"]
 _KINDS = {"-o": ".png", "--csv": ".csv", "--html": ".html"}
 
 
+@takes_words(
+    without=("method", "light", "colormap", "colormap2d", "transfer", "refine", "albedo"),
+    options=False,
+)
 def compare(
     source: Annotated[Path | None, Parameter(name="INPUT")] = None,
     *,
@@ -31,18 +34,11 @@ def compare(
         list[str] | None,
         Parameter(name="--light", group=LOOK, allow_leading_hyphen=True),
     ] = None,
-    view: parameters.View = "front",
-    up: parameters.Up = "y",
     options: Annotated[list[str] | None, Parameter(name="--set", group=LOOK)] = None,
     per_pixel: Annotated[bool, Parameter(group=DETAIL, show_default=False)] = False,
-    scales: parameters.Scales = 6,
-    width: parameters.Width = None,
-    ratio: parameters.Ratio = 1.7,
-    facing: parameters.Facing = 1,
-    tolerance: parameters.Tolerance = 1e-4,
+    look: LookWords,
     winding: Annotated[Literal["auto", "keep"], Parameter(group=FILES)] = "auto",
-    quiet: parameters.Quiet = False,
-    cores: parameters.Cores = None,
+    everywhere: Everywhere,
 ) -> None:
     """Compare methods under many lights: a sheet of pictures, and how well each follows the shape.
 
@@ -79,7 +75,8 @@ def compare(
     from meshdepict.io import read_mesh
     from meshdepict.shapes import samples
 
-    threads.limit(cores)
+    everywhere.obey()
+    quiet = everywhere.quiet
     name = stem(source)
     output = output or Path(f"{name}-compare.png")
     if output.is_dir():
@@ -98,10 +95,8 @@ def compare(
     with notes(source, quiet=quiet), progress_bar(name, quiet=quiet) as progress:
         mesh = samples.golf_ball() if source is None else read_mesh(source, winding=winding)
         found = comparison.compare(
-            mesh, methods, lights=lights, view=view, up=up, size=pixels, options=given,
-            per_pixel=per_pixel, scales=6 if scales is None else scales, width=width,
-            ratio=1.7 if ratio is None else ratio, facing=facing, tolerance=tolerance,
-            progress=progress,
+            mesh, methods, lights=lights, size=pixels, options=given,
+            per_pixel=per_pixel, progress=progress, **look.said,
         )  # fmt: skip
         comparison_report.save_sheet(found, output)
         if csv is not None:

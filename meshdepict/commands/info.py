@@ -7,18 +7,17 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from meshdepict import threads
-from meshdepict.commands import parameters
+from meshdepict.commands.parameters import Everywhere, takes_words
 from meshdepict.console import FAULT, about, complain, notes
 from meshdepict.errors import MeshdepictError
 
 __all__ = ["info"]
 
 
+@takes_words()
 def info(
     *inputs: Annotated[Path, Parameter(name="INPUT")],
-    quiet: parameters.Quiet = False,
-    cores: parameters.Cores = None,
+    everywhere: Everywhere,
 ) -> int:
     """Count what a mesh or a volume has, its defects too, and say how long a bake will take.
 
@@ -29,13 +28,13 @@ def info(
     """
     from meshdepict.commands import report
 
-    threads.limit(cores)
+    everywhere.obey()
     if not inputs:
         raise MeshdepictError("info needs a mesh file: meshdepict info INPUT")
     failed = 0
     for path in inputs:
         try:
-            with notes(path, quiet=quiet):
+            with notes(path, quiet=everywhere.quiet):
                 text = report.info(path)
         except MeshdepictError as error:
             complain(about(path, error))

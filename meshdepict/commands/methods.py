@@ -6,15 +6,15 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from meshdepict.commands import parameters
+from meshdepict.commands.parameters import Everywhere, takes_words
 
 __all__ = ["methods"]
 
 
+@takes_words()
 def methods(
     *names: Annotated[str, Parameter(name="NAME")],
-    quiet: parameters.Quiet = False,
-    cores: parameters.Cores = None,
+    everywhere: Everywhere,
 ) -> None:
     """List the shading methods, or one method's options with their ranges.
 
@@ -25,6 +25,6 @@ def methods(
     """
     from meshdepict.commands import report
 
-    del quiet, cores  # accepted everywhere
+    del everywhere  # nothing to obey
     described = [report.method(name) for name in names]
     print("\n\n".join(described) if described else report.methods())  # noqa: T201

@@ -1,29 +1,43 @@
-"""Words of the command line that several commands take, and how they become values."""
+"""Words of the command line that several commands take, and how they become values.
+
+The words of a look are those of `Choices`, the only list of them: a command says which it takes. A
+word that was not said is None, so that defaults stand in one place, too.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Annotated, Any, Literal
+import dataclasses
+import typing
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeVar
 
 from cyclopts import Group, Parameter
 
+from meshdepict import threads
+from meshdepict.baking.choices import Choices, choice_fields
 from meshdepict.errors import MeshdepictError
 
+if TYPE_CHECKING:
+    from meshdepict.baking.look import Look
+    from meshdepict.drawing.figure import Figure
+
 __all__ = [
-    "DETAIL", "EVERYWHERE", "FIGURE", "FILES", "LOOK", "MOTION", "Background", "Colormap",
-    "Cores", "Dpi", "Facing", "LightText", "Method", "Number", "Options", "PixelsPerUnit",
-    "Quiet", "Ratio", "Refine", "ScaleBar", "Scales", "Size", "Tolerance", "Unit", "Up",
-    "View", "Width", "as_light", "as_numbers", "method_options", "number",
-    "session_settings",
+    "EVERYWHERE", "FIGURE", "FILES", "LOOK", "MOTION", "Everywhere", "FigureWords",
+    "LookWords", "Number", "Options", "as_light", "as_numbers", "method_options",
+    "number", "said_look", "takes_words",
 ]  # fmt: skip
 
-FILES, MOTION, LOOK, DETAIL, FIGURE, EVERYWHERE = (
-    Group(name, sort_key=place)
+_GROUPS = {
+    name: Group(name, sort_key=place)
     for place, name in enumerate(("Files", "Motion", "Look", "Detail", "Figure", "Everywhere"))
-)
+}
+FILES, MOTION, LOOK, DETAIL, FIGURE, EVERYWHERE = _GROUPS.values()
+
+Command = TypeVar("Command", bound=Callable[..., Any])
 
 
-def _whole(_: Any, tokens: Sequence[Any]) -> int:
+def whole(_: Any, tokens: Sequence[Any]) -> int:
     """Convert a whole number strictly; cyclopts would round 1.5 to 2."""
     try:
         return int(tokens[0].value)
@@ -39,48 +53,8 @@ def number(_: Any, tokens: Sequence[Any]) -> float:
         raise ValueError(f"{tokens[0].value!r} is not a number") from None
 
 
-Quiet = Annotated[
-    bool, Parameter(group=EVERYWHERE, show_default=False, help="No notes and no progress bar.")
-]
-Cores = Annotated[
-    int | None,
-    Parameter(
-        name="--threads",
-        converter=_whole,
-        group=EVERYWHERE,
-        help="Cores to use; all unless given.",
-    ),
-]
-
-Method = Annotated[
-    str,
-    Parameter(
-        name=["--method", "-m"],
-        group=LOOK,
-        help="How to shade: meshdepict methods lists what there is.",
-    ),
-]
-LightText = Annotated[
-    str,
-    Parameter(
-        name="--light",
-        group=LOOK,
-        allow_leading_hyphen=True,
-        help="A name (north, northeast, … northwest, front), azimuth,elevation in degrees, x,y,z, "
-        "or a panorama.hdr; several, where a method takes them, parted by semicolons.",
-    ),
-]
-View = Annotated[
-    str,
-    Parameter(
-        group=LOOK,
-        help="Where names of lights and the picture look from: front, back, left, right, top, "
-        "bottom or isometric.",
-    ),
-]
-Up = Annotated[
-    Literal["y", "z", "-y", "-z"],
-    Parameter(group=LOOK, allow_leading_hyphen=True, help="Axis of the object that points up."),
+Number = Annotated[
+    float | None, Parameter(converter=number, group=FILES, allow_leading_hyphen=True)
 ]
 Options = Annotated[
     list[str] | None,
@@ -91,88 +65,186 @@ Options = Annotated[
         "Repeatable.",
     ),
 ]
-Colormap = Annotated[
-    str | None,
-    Parameter(group=LOOK, help="Colours for dark to bright; grey unless given."),
-]
-Scales = Annotated[
-    int | None,
-    Parameter(
-        converter=_whole,
-        group=DETAIL,
-        help="How often to smooth; unless given, as often as the method wants.",
-    ),
-]
-Width = Annotated[
-    str | None,
-    Parameter(
-        group=DETAIL,
-        allow_leading_hyphen=True,
-        help="First smoothing width in the file's units, or a share of the diagonal such as 0.2%; "
-        "unless given, the median edge.",
-    ),
-]
-Ratio = Annotated[
-    float | None,
-    Parameter(converter=number, group=DETAIL, help="From one width to the next."),
-]
-Facing = Annotated[
-    Literal[0, 1],
-    Parameter(
-        group=DETAIL,
-        help="1 keeps the two sides of thin sheets apart; 0 is the plain sum of the paper.",
-    ),
-]
-Tolerance = Annotated[
-    float,
-    Parameter(converter=number, group=DETAIL, help="Largest error of a normal, in radians."),
-]
-Number = Annotated[
-    float | None, Parameter(converter=number, group=FILES, allow_leading_hyphen=True)
-]
-Refine = Annotated[
-    float | None,
-    Parameter(
-        converter=number,
-        group=DETAIL,
-        help="Split triangles inside which colours would be off by more than so many of 255 grey "
-        "levels, 2 for instance.",
-    ),
-]
 
-Size = Annotated[
-    str | None,
-    Parameter(
-        group=FIGURE,
-        help="Width and height: 1200x900 in pixels; 12x9cm, 120x90mm or 5x4in on paper.",
-    ),
-]
-Dpi = Annotated[
-    float | None,
-    Parameter(
-        converter=number,
-        group=FIGURE,
-        help="Dots per inch on paper; 300 unless given where the size is on paper.",
-    ),
-]
-Background = Annotated[
-    str,
-    Parameter(group=FIGURE, help="white, paper (pale: white parts show), transparent or #rrggbb."),
-]
-ScaleBar = Annotated[
-    bool, Parameter(group=FIGURE, show_default=False, help="Draw a scale bar below the object.")
-]
-Unit = Annotated[
-    str, Parameter(group=FIGURE, help="Of the file's coordinates, for the scale bar: mm, m, µm.")
-]
-PixelsPerUnit = Annotated[
-    float | None,
-    Parameter(
-        converter=number,
-        group=FIGURE,
-        help="Same scale for all objects; the pictures grow as needed unless --size is given.",
-    ),
-]
+
+# --- everywhere -------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, kw_only=True)
+class Everywhere:
+    """What every command takes."""
+
+    quiet: Annotated[
+        bool, Parameter(group=EVERYWHERE, show_default=False, help="No notes and no progress bar.")
+    ] = False
+    cores: Annotated[
+        int | None,
+        Parameter(
+            name="--threads",
+            converter=whole,
+            group=EVERYWHERE,
+            help="Cores to use; all unless given.",
+        ),
+    ] = None
+
+    def obey(self) -> None:
+        """Limit what the program may take of the machine."""
+        threads.limit(self.cores)
+
+
+# --- figures ----------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, kw_only=True)
+class FigureWords:
+    """How a picture is laid out; see `Figure`."""
+
+    size: Annotated[
+        str | None,
+        Parameter(
+            group=FIGURE,
+            help="Width and height: 1200x900 in pixels; 12x9cm, 120x90mm or 5x4in on paper.",
+        ),
+    ] = None
+    dpi: Annotated[
+        float | None,
+        Parameter(
+            converter=number,
+            group=FIGURE,
+            help="Dots per inch on paper; 300 unless given where the size is on paper.",
+        ),
+    ] = None
+    background: Annotated[
+        str | None,
+        Parameter(
+            group=FIGURE,
+            help="white (unless given), paper (pale: white parts show), transparent or #rrggbb.",
+        ),
+    ] = None
+    scale_bar: Annotated[
+        bool, Parameter(group=FIGURE, show_default=False, help="Draw a scale bar below the object.")
+    ] = False
+    unit: Annotated[
+        str | None,
+        Parameter(group=FIGURE, help="Of the file's coordinates, for the scale bar: mm, m, µm."),
+    ] = None
+    pixels_per_unit: Annotated[
+        float | None,
+        Parameter(
+            converter=number,
+            group=FIGURE,
+            help="Same scale for all objects; the pictures grow as needed unless --size is given.",
+        ),
+    ] = None
+
+    @property
+    def said(self) -> dict[str, Any]:
+        """What was said, by name."""
+        return {name: value for name, value in vars(self).items() if value not in (None, False)}
+
+    def figure(self, **usual: Any) -> Figure:
+        """Return the figure; what was not said is as usual for the command."""
+        from meshdepict.drawing.figure import Figure
+
+        return Figure(**{**usual, **self.said})
+
+
+# --- looks ------------------------------------------------------------------------------------
+
+
+def _word(each: dataclasses.Field[Any], hint: Any) -> tuple[str, Any, None]:
+    """Return a choice as a word of the command line: its name, its type and None."""
+    kinds = typing.get_args(hint) or (hint,)
+    literal = next((kind for kind in (hint, *kinds) if typing.get_origin(kind) is Literal), None)
+    converter: Any = None
+    if literal is not None:
+        kind = literal
+    elif int in kinds:
+        kind, converter = int, whole
+    elif float in kinds and str not in kinds:
+        kind, converter = float, number
+    else:
+        kind = str
+    usual = "" if each.default is None else f" [default: {each.default}]"
+    names = {"method": ["--method", "-m"], "colormap2d": "--colormap2d"}
+    parameter = Parameter(
+        name=names.get(each.name, f"--{each.name}"),
+        converter=converter,
+        group=_GROUPS[each.metadata["group"]],
+        allow_leading_hyphen=True,
+        help=each.metadata["help"] + usual,
+    )
+    return each.name, Annotated[kind | None, parameter], None
+
+
+class LookWords:
+    """What was said of a look; a command has those fields that it takes."""
+
+    options: list[str] | None = None
+
+    @property
+    def said(self) -> dict[str, Any]:
+        """What was said, by name, but for the method's options."""
+        said = {
+            name: getattr(self, name)
+            for name in choice_fields()
+            if getattr(self, name, None) is not None
+        }
+        if "light" in said:
+            said["light"] = as_light(said["light"])
+        return said
+
+
+def takes_words(
+    *, without: Sequence[str] = (), options: bool = True
+) -> Callable[[Command], Command]:
+    """Give a command the words that its `LookWords`, `FigureWords` and `Everywhere` stand for.
+
+    Parameters
+    ----------
+    without : sequence of str
+        Choices of a look that the command has not.
+    options : bool
+        Whether it has ``--set``.
+    """
+
+    def dress(command: Command) -> Command:
+        classes = {"LookWords": None, "FigureWords": FigureWords, "Everywhere": Everywhere}
+        for name, hint in command.__annotations__.items():
+            if hint in classes:
+                kind: Any = classes[hint] or _look_words(without, options=options)
+                command.__annotations__[name] = Annotated[kind, Parameter(name="*")]
+                command.__kwdefaults__ = {**(command.__kwdefaults__ or {}), name: kind()}
+        return command
+
+    return dress
+
+
+def _look_words(without: Sequence[str], *, options: bool) -> Any:
+    hints = typing.get_type_hints(Choices)
+    fields = [
+        _word(each, hints[each.name])
+        for each in choice_fields().values()
+        if each.name not in without
+    ]
+    more = [("options", Options, None)] if options else []
+    return dataclasses.make_dataclass(
+        "Look", fields + more, bases=(LookWords,), kw_only=True, frozen=True,
+        namespace={"__doc__": "What was said of a look.", "__module__": __name__},
+    )  # fmt: skip
+
+
+def said_look(words: LookWords, recipe: str | None = None) -> Look:
+    """Return the look that was asked for: a recipe's, with what was said in its place."""
+    from meshdepict.baking.look import Look
+    from meshdepict.baking.recipe import load_recipe, merge_recipe
+
+    chosen: Mapping[str, Any] = words.said
+    if recipe is not None:
+        chosen = merge_recipe(load_recipe(recipe), chosen)
+    method = chosen.get("method", choice_fields()["method"].default)
+    options = method_options(method, words.options or [])
+    return Look(**{**chosen, "method": method, **options})
 
 
 def as_light(text: str) -> Any:
@@ -216,25 +288,3 @@ def method_options(method: str, given: Sequence[str]) -> dict[str, Any]:
             raise MeshdepictError(f"--set wants name=value, not {text!r}")
         texts[name.strip()] = value.strip()
     return check(function, texts, method)
-
-
-def session_settings(
-    recipe: str, settings: dict[str, Any], given: frozenset[str]
-) -> dict[str, Any]:
-    """Return the settings of a recipe, what was said first, for a viewer's session.
-
-    Raises
-    ------
-    MeshdepictError
-        For what recipes may have and sessions don't.
-    """
-    from meshdepict.baking.recipe import load_recipe, merge_recipe
-
-    said = {name: value for name, value in settings.items() if name in given}
-    merged = merge_recipe(load_recipe(recipe), said)
-    for name, usual in (("colormap2d", None), ("albedo", "none"), ("refine", None)):
-        if merged.pop(name, usual) != usual:
-            raise MeshdepictError(
-                f"{recipe}: views and movies have no {name}; bake it, or take it out of the recipe"
-            )
-    return merged

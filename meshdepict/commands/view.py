@@ -4,19 +4,22 @@ from __future__ import annotations
 
 from importlib import import_module
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
 
-from meshdepict import threads
 from meshdepict.commands import parameters
-from meshdepict.commands.parameters import FILES
+from meshdepict.commands.parameters import FILES, Everywhere, LookWords, takes_words
 from meshdepict.console import complain, notes, progress_bar
 from meshdepict.errors import MeshdepictError
+
+if TYPE_CHECKING:
+    from meshdepict.baking.look import Look
 
 __all__ = ["view"]
 
 
+@takes_words(without=("colormap2d", "albedo", "refine"))
 def view(
     input_: Annotated[Path | None, Parameter(name="INPUT")] = None,
     /,
@@ -26,19 +29,8 @@ def view(
     no_open: Annotated[bool, Parameter(group=FILES, show_default=False)] = False,
     recipe: Annotated[str | None, Parameter(group=FILES)] = None,
     frames: Annotated[int | None, Parameter(show=False)] = None,
-    method: parameters.Method = "exaggerated",
-    light: parameters.LightText = "northwest",
-    view: parameters.View = "front",
-    up: parameters.Up = "y",
-    options: parameters.Options = None,
-    colormap: parameters.Colormap = None,
-    scales: parameters.Scales = None,
-    width: parameters.Width = None,
-    ratio: parameters.Ratio = None,
-    facing: parameters.Facing = 1,
-    tolerance: parameters.Tolerance = 1e-4,
-    quiet: parameters.Quiet = False,
-    cores: parameters.Cores = None,
+    look: LookWords,
+    everywhere: Everywhere,
     given: Annotated[frozenset[str], Parameter(parse=False)] = frozenset(),
 ) -> int:
     """Look at a mesh or CT under a light that moves. Without INPUT: the built-in golf ball.
@@ -61,24 +53,20 @@ def view(
         Draw so many frames off screen and end.
     """
     from meshdepict.baking.batch import stem
+    from meshdepict.viewer.session import refuse_unshown
 
-    threads.limit(cores)
+    everywhere.obey()
     if not browser:
         for word, so in (("--port", "port" in given), ("--no-open", no_open)):
             if so:
                 raise MeshdepictError(f"{word} is about a page: give --browser, too")
-    settings: dict[str, Any] = {
-        "method": method, "light": parameters.as_light(light), "view": view, "up": up,
-        "scales": scales, "width": width, "ratio": ratio, "facing": facing, "tolerance": tolerance,
-        "colormap": colormap,
-    }  # fmt: skip
-    if recipe is not None:
-        settings = parameters.session_settings(recipe, settings, given)
-    settings |= parameters.method_options(settings["method"], options or [])
+    wanted = parameters.said_look(look, recipe)
+    refuse_unshown(wanted, f"{recipe}: ")
+    quiet = everywhere.quiet
     from meshdepict.io.volumes import is_volume_path
 
     if input_ is not None and is_volume_path(input_):
-        return _show_volume(input_, settings, given, browser=browser, frames=frames, quiet=quiet)
+        return _show_volume(input_, wanted, browser=browser, frames=frames, quiet=quiet)
     if not browser and frames is None:
         from meshdepict.drawing.display import check_display
 
@@ -89,9 +77,9 @@ def view(
             import_module(module)
     name = stem(input_)
     with notes(input_, quiet=quiet):
-        session = _session(input_, settings, name, quiet=quiet)
+        session = _session(input_, wanted, name, quiet=quiet)
     if browser:
-        from meshdepict.viewer.browser.server import serve
+        from meshdepict.viewer.browser import serve
 
         serve(session, port=port, open_browser=not no_open, title=name)
         return 0
@@ -106,8 +94,7 @@ def view(
 
 def _show_volume(
     source: Path,
-    settings: dict[str, Any],
-    given: frozenset[str],
+    look: Look,
     *,
     browser: bool,
     frames: int | None,
@@ -119,19 +106,16 @@ def _show_volume(
 
     if browser:
         raise MeshdepictError(f"{source} is a volume: the browser shows meshes alone so far")
-    for name in ("facing", "colormap"):
-        if settings.pop(name) is not None and name in given:
-            raise MeshdepictError(f"--{name} is about meshes, and {source} is a volume")
-    if "up" not in given:
-        settings["up"] = "z"  # of patients; see `bake_volume`
     if frames is None:
         check_display()
     with notes(source, quiet=quiet):
-        show_volume(source, name=source.name.partition(".")[0], frames=frames, **settings)
+        show_volume(
+            source, look.method, name=source.name.partition(".")[0], frames=frames, **look.words()
+        )
     return 0
 
 
-def _session(source: Path | None, settings: dict[str, Any], name: str, *, quiet: bool) -> Any:
+def _session(source: Path | None, look: Look, name: str, *, quiet: bool) -> Any:
     """Read and bake, with a progress bar."""
     from meshdepict.io import read_mesh
     from meshdepict.shapes import samples
@@ -139,7 +123,7 @@ def _session(source: Path | None, settings: dict[str, Any], name: str, *, quiet:
 
     shape = samples.golf_ball() if source is None else read_mesh(source)
     with progress_bar(name, quiet=quiet) as progress:
-        session = Session(shape, progress=progress, **settings)
+        session = Session(shape, look.method, progress=progress, **look.words())
         session.baked()
     session.progress = None
     return session

@@ -8,19 +8,27 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
 
-from meshdepict import threads
 from meshdepict.commands import parameters
-from meshdepict.commands.parameters import FILES, LOOK
+from meshdepict.commands.parameters import (
+    FILES,
+    LOOK,
+    Everywhere,
+    FigureWords,
+    LookWords,
+    takes_words,
+)
 from meshdepict.console import notes, progress_bar
 from meshdepict.errors import MeshdepictError
 
 __all__ = ["volume"]
 
 if TYPE_CHECKING:
+    from meshdepict.baking.look import Look
     from meshdepict.drawing.figure import Figure
     from meshdepict.shapes.volume import Volume
 
 
+@takes_words(without=("colormap", "colormap2d", "facing", "refine", "albedo"))
 def volume(
     source: Annotated[Path | None, Parameter(name="CT")] = None,
     *,
@@ -39,25 +47,10 @@ def volume(
             name="--surface", group=LOOK, allow_leading_hyphen=True, converter=parameters.number
         ),
     ] = None,
-    transfer: Annotated[str, Parameter(group=LOOK)] = "bone",
     force: Annotated[bool, Parameter(group=FILES, show_default=False)] = False,
-    method: parameters.Method = "exaggerated",
-    light: parameters.LightText = "northwest",
-    view: parameters.View = "front",
-    up: parameters.Up = "z",
-    options: parameters.Options = None,
-    scales: parameters.Scales = None,
-    width: parameters.Width = None,
-    ratio: parameters.Ratio = None,
-    tolerance: parameters.Tolerance = 1e-3,
-    size: parameters.Size = None,
-    dpi: parameters.Dpi = None,
-    background: parameters.Background = "white",
-    scale_bar: parameters.ScaleBar = False,
-    unit: parameters.Unit = "mm",
-    pixels_per_unit: parameters.PixelsPerUnit = None,
-    quiet: parameters.Quiet = False,
-    cores: parameters.Cores = None,
+    look: LookWords,
+    figure: FigureWords,
+    everywhere: Everywhere,
 ) -> None:
     """Shade the voxels of a CT that a transfer function shows. Without CT: the built-in phantom.
 
@@ -85,25 +78,16 @@ def volume(
         Keep a part of the grid, AXIS=FROM:TO, such as y=50%:100%. Repeatable.
     surface
         Shade the surface at this value as a mesh, instead of voxels.
-    transfer
-        What is shown, and its colours: bone, skin, muscle, lung, micro-ct, or a .toml file.
     force
         Replace existing files that meshdepict didn't write.
     """
-    from meshdepict.drawing.figure import Figure
-
-    threads.limit(cores)
+    everywhere.obey()
+    quiet = everywhere.quiet
     start = time.perf_counter()
     name = _name(source)
-    figure = Figure(
-        size=size, dpi=dpi, background=background, scale_bar=scale_bar, unit=unit,
-        pixels_per_unit=pixels_per_unit,
-    )  # fmt: skip
-    asked: dict[str, Any] = {
-        "method": method, "light": parameters.as_light(light), "view": view, "up": up,
-        "scales": scales, "width": width, "ratio": ratio, "tolerance": tolerance,
-        **parameters.method_options(method, options or []),
-    }  # fmt: skip
+    page = figure.figure(unit="mm")
+    wanted = parameters.said_look(look)
+    method = wanted.method
     box = dict(_span(text) for text in clip or [])
     if output is None and picture is None:
         picture = Path(f"{name}-{method}.png")
@@ -118,30 +102,32 @@ def volume(
     with notes(source, quiet=quiet), progress_bar(name, quiet=quiet) as progress:
         grid = _read(source, series, slope, intercept, spacing).cropped(**box)
         if surface is not None:
-            about = _shade_surface(grid, surface, asked, progress, output, picture, figure)
+            about = _shade_surface(grid, surface, wanted, progress, output, picture, page)
         else:
-            asked["transfer"] = transfer
-            about = _shade_voxels(grid, asked, progress, output, picture, before, cuts, figure)
+            about = _shade_voxels(grid, wanted, progress, output, picture, before, cuts, page)
     written = ", ".join(str(path) for path in filter(None, (output, picture, before, *cuts)))
     seconds = time.perf_counter() - start
-    print(f"{written}: {method}, light {light}, {about}, {seconds:.1f} s")  # noqa: T201
+    print(
+        f"{written}: {method}, light {vars(look)['light'] or wanted.light}, {about}, {seconds:.1f} s"
+    )
 
 
 def _shade_surface(
     grid: Volume,
     value: float,
-    asked: dict[str, Any],
+    look: Look,
     progress: Any,
     output: Path | None,
     picture: Path | None,
     figure: Figure,
 ) -> str:
     """Bake the isosurface, write what is asked for and say what it was."""
-    from meshdepict.baking.surfaces import bake
+    from meshdepict.baking.surfaces import bake_surface
     from meshdepict.drawing.picture import save_picture
     from meshdepict.shapes.isosurface import isosurface
 
-    done = bake(isosurface(grid, value), progress=progress, **asked)
+    look = look.replace(up=look.axis(grid.kind), transfer=None)
+    done = bake_surface(isosurface(grid, value), look, progress=progress)
     if output is not None:
         done.save(output)
     if picture is not None:
@@ -151,7 +137,7 @@ def _shade_surface(
 
 def _shade_voxels(
     grid: Volume,
-    asked: dict[str, Any],
+    look: Look,
     progress: Any,
     output: Path | None,
     picture: Path | None,
@@ -160,12 +146,12 @@ def _shade_voxels(
     figure: Figure,
 ) -> str:
     """Bake the voxels, write what is asked for and say how many they were."""
-    from meshdepict.baking.volumes import bake_volume
+    from meshdepict.baking.volumes import bake_grid
     from meshdepict.drawing.picture import write_picture
     from meshdepict.drawing.slices import draw_slice
     from meshdepict.drawing.volume_picture import save_volume_picture
 
-    baked = bake_volume(grid, progress=progress, **asked)
+    baked = bake_grid(grid, look, progress=progress)
     if output is not None:
         baked.save(output)
     if picture is not None:

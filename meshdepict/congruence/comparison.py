@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import inspect
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -12,11 +11,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshdepict import color
+from meshdepict.baking.look import Look
 from meshdepict.baking.surfaces import as_mesh
 from meshdepict.congruence.judging import Judge, light_directions, picture
 from meshdepict.errors import MeshdepictError
 from meshdepict.options import as_text, check, options_of
-from meshdepict.scales.ladder import Progress
+from meshdepict.scales.ladder import FACING, TOLERANCE, Progress
 from meshdepict.scales.making import scale_space
 from meshdepict.scene.light import Light
 from meshdepict.scene.names import as_light
@@ -109,8 +109,8 @@ def compare(
     scales: int = 6,
     width: float | str | None = None,
     ratio: float = 1.7,
-    facing: int = 1,
-    tolerance: float = 1e-4,
+    facing: int = FACING,
+    tolerance: float = TOLERANCE,
     background: tuple[int, int, int] = (198, 205, 214),
     progress: Progress | None = None,
 ) -> Comparison:
@@ -170,9 +170,7 @@ def compare(
     space = scale_space(buffer if per_pixel else mesh, **smoothing, progress=half)
 
     def shaded(name: str, lamp: Light, options: Mapping[str, Any]) -> NDArray[Any]:
-        function = find_method(name)
-        sees = {"view": eye} if "view" in inspect.signature(function).parameters else {}
-        values = function(space, lamp, **sees, **options)
+        values = Look(name, **options).shade(space, lamp, eye)
         return values if per_pixel else buffer.sample(values)
 
     reference = shaded("lambert", Light(eye.towards_eye), {})

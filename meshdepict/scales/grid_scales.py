@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshdepict.errors import MeshdepictError
-from meshdepict.scales.ladder import Progress, reporter
+from meshdepict.scales.ladder import TOLERANCE, Progress, reporter
 from meshdepict.scales.space import ScaleSpace
 from meshdepict.voxels.grid_normals import (
     Scattered,
@@ -164,7 +164,7 @@ def grid_space(
     *,
     where: NDArray[np.bool_] | None = None,
     transfer: TransferFunction | None = None,
-    tolerance: float = 1e-4,
+    tolerance: float = TOLERANCE,
     memory: float = MEMORY,
     progress: Progress | None = None,
 ) -> GridSpace:

@@ -9,7 +9,11 @@ from numpy.typing import NDArray
 
 from meshdepict.errors import MeshdepictError
 
-__all__ = ["Progress", "check_ladder", "ladder", "reporter"]
+__all__ = ["FACING", "TOLERANCE", "Progress", "check_ladder", "ladder", "reporter"]
+
+FACING = 1
+TOLERANCE = 1e-4
+"""What scale spaces are made with unless somebody says otherwise: see `scale_space`."""
 
 Progress = Callable[[float, float], None]
 

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshdepict.errors import MeshdepictError
-from meshdepict.scales.ladder import Progress, check_ladder, ladder
+from meshdepict.scales.ladder import FACING, TOLERANCE, Progress, check_ladder, ladder
 from meshdepict.scales.space import ScaleSpace
 from meshdepict.shapes.lengths import resolve_width
 
@@ -25,8 +25,8 @@ def scale_space(
     scales: int = 9,
     width: float | str | None = None,
     ratio: float = math.sqrt(2),
-    facing: int = 1,
-    tolerance: float = 1e-4,
+    facing: int = FACING,
+    tolerance: float = TOLERANCE,
     progress: Progress | None = None,
 ) -> ScaleSpace:
     """Smooth the normals of a shape at a geometric series of widths (Exaggerated Shading, §3).
@@ -84,7 +84,7 @@ def scale_space(
 
 
 def smooth_normals(
-    mesh: Mesh, width: float | str, *, facing: int = 1, tolerance: float = 1e-4
+    mesh: Mesh, width: float | str, *, facing: int = FACING, tolerance: float = TOLERANCE
 ) -> NDArray[np.float32]:
     """Smooth the normals at one width, climbing to it by a ladder of ratio √2.
 

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshdepict.errors import MeshdepictError
+from meshdepict.scales.ladder import FACING, TOLERANCE
 
 if TYPE_CHECKING:
     from meshdepict.curvature.principal import PrincipalCurvatures
@@ -53,8 +54,8 @@ class ScaleSpace:
         ratio: float,
         planes: NDArray[np.float32],
         *,
-        facing: int = 1,
-        tolerance: float = 1e-4,
+        facing: int = FACING,
+        tolerance: float = TOLERANCE,
     ) -> None:
         self.shape = shape
         self.points = points

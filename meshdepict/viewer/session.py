@@ -14,7 +14,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from meshdepict import color
 from meshdepict.baking.baked import Baked
-from meshdepict.baking.surfaces import as_mesh, bake
+from meshdepict.baking.choices import Choices, choice_fields
+from meshdepict.baking.look import Look, bake
+from meshdepict.baking.surfaces import as_mesh
 from meshdepict.errors import MeshdepictError
 from meshdepict.options import check, options_of
 from meshdepict.scales.making import scale_space
@@ -27,7 +29,7 @@ from meshdepict.viewer.light_drag import carried, dragged
 if TYPE_CHECKING:
     from meshdepict.shading.method import Declaration
 
-__all__ = ["Session"]
+__all__ = ["UNSHOWN", "Session", "refuse_unshown"]
 
 
 class Session:
@@ -36,8 +38,8 @@ class Session:
     Parameters
     ----------
     shape : path, Mesh, pyvista.PolyData or trimesh.Trimesh
-    method, light, view, up, scales, width, ratio, facing, tolerance, colormap, **options
-        As for `bake`.
+    method, **chosen
+        As for `Look`, but for what no session shows (`UNSHOWN`).
     progress : callable, optional
         ``progress(done, total)``, whenever a scale space is made.
 
@@ -62,37 +64,31 @@ class Session:
         shape: Any,
         method: str = "exaggerated",
         *,
-        light: Any = "northwest",
-        view: str | View = "front",
-        up: str = "y",
-        scales: int | None = None,
-        width: float | str | None = None,
-        ratio: float | None = None,
-        facing: int = 1,
-        tolerance: float = 1e-4,
-        colormap: str | None = None,
         progress: Callable[[float, float], None] | None = None,
-        **options: Any,
+        **chosen: Any,
     ) -> None:
         self.shape = as_mesh(shape)
-        self.up = up
-        self.view = as_view(view, self.shape, up=up)
-        self.light = as_lighting(light, self.view, up=up)
+        self._begin(Look(method, **chosen), progress)
+        self._first = self.look_now()
+
+    def _begin(self, look: Look, progress: Callable[[float, float], None] | None) -> None:
+        """Choose what a look says."""
+        refuse_unshown(look)
+        look.of_kind(self.shape.kind)  # refuses what is about other kinds
+        self._asked = look
+        self.up = look.axis(self.shape.kind)
+        self.view = as_view(look.view, self.shape, up=self.up)
+        self.light = as_lighting(look.light, self.view, up=self.up)
         self.progress = progress
-        self._asked: dict[str, Any] = {"scales": scales, "ratio": ratio}
-        self._smoothing: dict[str, Any] = {
-            "width": width, "facing": facing, "tolerance": tolerance,
-        }  # fmt: skip
         self._spaces: dict[tuple[int, float], ScaleSpace] = {}
         self._options: dict[str, dict[str, Any]] = {}
-        self._baked: Baked | None = None
-        self.method = method
+        self._baked: Any = None  # a Baked; of volumes a BakedVolume
+        self.method = look.method
         self.colormap: str | None = None
         self.light_fixed_to = "object"
-        self.use(method)
-        self.set(**options)
-        self.paint(colormap)
-        self._first = self.look_now()
+        self.use(look.method)
+        self.set(**look.options)
+        self.paint(look.colormap)
 
     # --- what can be changed ----------------------------------------------------------------
 
@@ -162,23 +158,30 @@ class Session:
         self._options.clear()
         self.go_back(self._first)
 
-    def look_now(self) -> Any:
-        """Return what is chosen, for `go_back`."""
-        return self.light, self.view, self.method, dict(self.options), self.colormap
+    def look_now(self) -> Look:
+        """Return what is chosen, for `go_back`, recipes and bakes."""
+        now = self._asked.replace(method=self.method, light=self.light, view=self.view, up=self.up)
+        words = {name: value for name, value in now.words().items() if name not in now.options}
+        return Look(self.method, **{**words, "colormap": self.colormap, **self.options})
 
-    def go_back(self, look: Any) -> None:
+    def go_back(self, look: Look) -> None:
         """Choose again what `look_now` returned."""
-        self.light, self.view, method, options, colormap = look
-        self.use(method)
+        self.light, self.view = look.light, as_view(look.view, self.shape, up=self.up)
+        self.use(look.method)
         self.options.clear()
-        self.options.update(options)
-        self.paint(colormap)
+        self.options.update(look.options)
+        self.paint(look.colormap)
 
     def adopt(self, space: ScaleSpace, baked: Baked) -> None:
         """Take over a scale space of the shape, and its bake, which stays as it is."""
         self._spaces[len(space.widths) - 1, space.ratio] = space
         self._baked = Baked(
-            baked.shape, baked.intensity, baked.colors, baked.provenance, baked.view
+            baked.shape,
+            baked.intensity,
+            baked.colors,
+            baked.provenance,
+            baked.view,
+            look=baked.look,
         )
 
     # --- what is shown ----------------------------------------------------------------------
@@ -203,18 +206,17 @@ class Session:
     @property
     def space(self) -> ScaleSpace:
         """The scale space of the method; made once for all methods with the same scales."""
-        declared = self.declared
-        ratio = self._asked["ratio"] or declared.ratio
-        if declared.scales == 0:
+        scales, ratio = self._asked.replace(method=self.method).ladder
+        if scales == 0:
             if not self._spaces:
                 self._spaces[0, ratio] = scale_space(self.shape, scales=0)
             return next(iter(self._spaces.values()))  # any: it uses the shape's own normals alone
-        scales = self._asked["scales"]
-        scales = declared.scales if scales is None else scales
         if (scales, ratio) not in self._spaces:
+            asked = self._asked
             self._spaces[scales, ratio] = scale_space(
-                self.shape, scales=scales, ratio=ratio, progress=self.progress, **self._smoothing
-            )
+                self.shape, scales=scales, ratio=ratio, width=asked.width, facing=asked.facing,
+                tolerance=asked.tolerance, progress=self.progress,
+            )  # fmt: skip
         return self._spaces[scales, ratio]
 
     def baked(self) -> Baked:
@@ -238,15 +240,27 @@ class Session:
             found.provenance["colormap"] = self.colormap
         return found
 
-    def settings(self) -> dict[str, Any]:
-        """Return what a recipe of this look holds; see `recipe.save_recipe`."""
-        return {
-            "method": self.method, "light": self.light, "view": self.view.name or self.view,
-            "up": self.up, **self._asked, **self._smoothing, "colormap": self.colormap,
-            **self.options,
-        }  # fmt: skip
-
     @property
     def colors(self) -> NDArray[np.uint8]:
         """(n, 3) sRGB colours."""
         return self.baked().colors
+
+
+UNSHOWN = ("colormap2d", "albedo", "refine")
+"""What bakes have and sessions don't."""
+
+
+def refuse_unshown(look: Choices, where: str = "") -> None:
+    """Refuse a look that no session can show.
+
+    Parameters
+    ----------
+    look : Choices
+    where : str
+        What it comes from.
+    """
+    for name in UNSHOWN:
+        if getattr(look, name) != choice_fields()[name].default:
+            raise MeshdepictError(
+                f"{where}views and movies have no {name}; bake it, or take it out of the recipe"
+            )

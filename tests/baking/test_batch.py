@@ -369,8 +369,8 @@ def test_hundreds_of_finds_are_seen_alike(run, folder):
 
 
 def test_a_find_too_large_for_the_plate_is_refused_before_its_bake(run, ball_ply, monkeypatch):
-    monkeypatch.setattr(batch, "check_settings", lambda settings: None)
-    monkeypatch.setattr(batch, "bake", lambda *_, **__: pytest.fail("baked in vain"))
+    monkeypatch.setattr(batch, "check_look", lambda look: None)
+    monkeypatch.setattr(batch, "bake_surface", lambda *_, **__: pytest.fail("baked in vain"))
     words = ("--picture", "p.png", "--pixels-per-unit", "100", "--size", "60x60")
     status, out, (line,) = run("bake", "ball.ply", *words)
     assert (status, out) == (2, [])

@@ -9,9 +9,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from meshdepict.baking.choices import Choices
+from meshdepict.baking.look import bake_volume
 from meshdepict.baking.out_of_core import bake_out_of_core, lazy_rgba
-from meshdepict.baking.volumes import bake_volume
-from meshdepict.baking.voxel_shading import volume_recipe
+from meshdepict.baking.voxel_shading import voxel_shading
 from meshdepict.color.transfer import TransferFunction
 from meshdepict.errors import MeshdepictError
 from meshdepict.shapes.phantom import ct_phantom
@@ -39,6 +40,11 @@ def place(volume: Volume) -> dict:
     }  # fmt: skip
 
 
+def shading_of(shape, method, **how):
+    look = Choices(method, **how).of_kind("volume")
+    return voxel_shading(shape, look, transfer=look.transfer)
+
+
 @pytest.fixture(scope="module")
 def expected(head: Volume) -> np.ndarray:
     return bake_volume(head, **HOW).rgba
@@ -47,7 +53,7 @@ def expected(head: Volume) -> np.ndarray:
 @pytest.mark.parametrize("method", ["exaggerated", "light_warping", "view_curvature"])
 def test_small_blocks_give_the_numbers_of_the_whole(method: str, head: Volume) -> None:
     how = {**HOW, "width": 3.0}
-    recipe = volume_recipe(head, method, view="front", up="z", ratio=None, tolerance=1e-4, **how)
+    recipe = shading_of(head, method, **how)
     blocks = lazy_rgba(da.from_array(head.values, chunks=(5, 6, 7)), recipe, chunks=(13, 14, 3))
     assert blocks.numblocks[:3] == (4, 3, 6)
     whole = bake_volume(head, method, **how).rgba
@@ -60,9 +66,7 @@ def test_small_blocks_give_the_numbers_of_the_whole(method: str, head: Volume) -
 def test_wide_gaussians_take_the_grid_of_the_whole() -> None:
     long = ct_phantom((20, 20, 160), noise=5)  # 1.5 mm along z
     how = {**HOW, "width": 4.0, "scales": 1}  # 2.7 voxels: summed on a coarser grid
-    recipe = volume_recipe(
-        long, "exaggerated", view="front", up="z", ratio=None, tolerance=1e-4, **how
-    )
+    recipe = shading_of(long, "exaggerated", **how)
     blocks = lazy_rgba(da.from_array(long.values), recipe, chunks=(16, 16, 16))
     assert blocks.numblocks[0] == 6
     whole = bake_volume(long, **how).rgba
@@ -107,16 +111,12 @@ def test_raw_numbers_that_are_not_at_hand_say_no_unit(head: Volume) -> None:
     empty = Place(head.values.shape, head.range, **(place(head) | {"hounsfield": False}))
     empty.range = (0.0, 4000.0)
     with pytest.raises(MeshdepictError, match="its numbers aren't at hand"):
-        volume_recipe(
-            empty, "lambert", transfer="bone", light="front", view="front", up="z", tolerance=1e-4
-        )
+        shading_of(empty, "lambert")
 
 
 def test_a_recipe_travels_to_workers_without_the_values(head: Volume) -> None:
     empty = Place((4000, 4000, 4000), head.range, **place(head))
-    recipe = volume_recipe(
-        empty, "exaggerated", view="front", up="z", ratio=None, tolerance=1e-4, **HOW
-    )
+    recipe = shading_of(empty, "exaggerated", **HOW)
     sent = pickle.dumps(recipe)
     assert len(sent) < 10_000
     back = pickle.loads(sent)

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from meshdepict import color
-from meshdepict.baking.volumes import BakedVolume, bake_volume
+from meshdepict.baking.look import bake_volume
+from meshdepict.baking.volumes import BakedVolume
 from meshdepict.color.transfer import TransferFunction
 from meshdepict.errors import MeshdepictError
 from meshdepict.scales.grid_scales import grid_space, sample_bytes

@@ -104,4 +104,4 @@ def test_wrong_words_are_one_sentence(run, ball_ply, words, sentence):
 def test_a_recipe_with_what_the_viewer_has_not_is_refused(run, ball_ply, setting):
     save_recipe("look.toml", {"method": "lambert", **setting})
     sentence = wrong(run, "ball.ply", "--recipe", "look.toml", "--frames", 1)
-    assert f"look.toml: the viewer has no {next(iter(setting))}" in sentence
+    assert f"look.toml: views and movies have no {next(iter(setting))}" in sentence

@@ -273,7 +273,7 @@ def test_what_is_no_height_field_is_refused():
 
 
 def test_a_volume_gets_the_colors_of_bake_volume():
-    baking = pytest.importorskip("meshdepict.baking.volumes", reason="volumes are shaded elsewhere")
+    baking = pytest.importorskip("meshdepict.baking.look", reason="volumes are shaded elsewhere")
     from meshdepict.shapes.volume import Volume
 
     image = pv.ImageData(dimensions=(12, 10, 8), spacing=(1, 1, 1.5))

@@ -167,7 +167,7 @@ def test_ctrl_c_leaves_the_earlier_file_whole(run, ball_ply, folder, monkeypatch
     def interrupt(*_, **__):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(md.baking.Baked, "comments", property(interrupt))  # while it is written
+    monkeypatch.setattr(md.Baked, "comments", property(interrupt))  # while it is written
     status, out, (line,) = run("bake", "ball.ply", "-o", "out.ply", "--light", "east")
     assert (status, out) == (130, [])
     assert line == "meshdepict: interrupted; no file was left half-written"

@@ -304,4 +304,4 @@ def test_the_command_takes_a_recipe_and_a_scale(run, ball_ply, folder):
     (folder / "kept.toml").write_text('method = "lambert"\nalbedo = "keep"\n')
     status, _, (line,) = run(*words, "--recipe", "kept.toml")
     assert status == 2
-    assert "kept.toml: movies have no albedo" in line
+    assert "kept.toml: views and movies have no albedo" in line

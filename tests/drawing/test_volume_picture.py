@@ -7,7 +7,7 @@ import pytest
 from PIL import Image
 from volume_shapes import SOLID, blobs
 
-from meshdepict.baking.volumes import bake_volume
+from meshdepict.baking.look import bake_volume
 from meshdepict.drawing.figure import Figure
 from meshdepict.drawing.picture import read_picture_provenance
 from meshdepict.drawing.volume_picture import draw_volume, save_volume_picture
@@ -90,7 +90,7 @@ def test_what_can_t_be_drawn_is_refused(baked, tmp_path):
     with pytest.raises(MeshdepictError, match=r"end the name with \.png"):
         save_volume_picture(baked, tmp_path / "a.jpg")
     bare = bake_volume(baked.space, "lambert")
-    bare._recipe = dataclasses.replace(bare._recipe, transfer=None)
+    bare._shading = dataclasses.replace(bare._shading, transfer=None)
     with pytest.raises(MeshdepictError, match="needs a transfer function, and this bake has none"):
         draw_volume(bare, plain=True)
 

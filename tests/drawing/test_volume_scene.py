@@ -8,7 +8,7 @@ from volume_shapes import DIRECTIONS, EDGE, SOLID, WHITE, blobs
 
 import meshdepict as md
 from meshdepict import color
-from meshdepict.baking.volumes import bake_volume
+from meshdepict.baking.look import bake_volume
 from meshdepict.color.transfer import TransferFunction
 from meshdepict.drawing import empty_space, volume_rays, volume_scene
 from meshdepict.drawing.canvas import canvas, place
@@ -207,7 +207,7 @@ def test_with_gradient_opacity_and_without_transfer_colours_are_those_baked():
         if transfer is not None:
             baked = bake_volume(blobs(), "lambert", transfer=transfer)
         else:
-            baked._recipe = dataclasses.replace(baked._recipe, transfer=None)
+            baked._shading = dataclasses.replace(baked._shading, transfer=None)
         found = texture(baked)
         expected = baked.rgba[sample_box(baked.space)]
         np.testing.assert_array_equal(found.values[..., 3], expected[..., 3])

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from volume_shapes import EDGE, WHITE, blobs
 
-from meshdepict.baking.volumes import bake_volume
+from meshdepict.baking.look import bake_volume
 from meshdepict.color.transfer import TransferFunction
 from meshdepict.drawing.canvas import place
 from meshdepict.drawing.volume_scene import add_baked

@@ -95,8 +95,7 @@ def test_another_view_matters_only_to_methods_that_see(session):
 def test_settings_bake_the_same(ball, session):
     session.set(exaggeration=30)
     session.paint("stone")
-    settings = session.settings()
-    np.testing.assert_array_equal(bake(ball, **settings).colors, session.colors)
+    np.testing.assert_array_equal(session.look_now().bake(ball).colors, session.colors)
 
 
 @pytest.mark.parametrize(

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from volume_shapes import SOLID, WHITE, blobs
 
-from meshdepict.baking.volumes import bake_volume
+from meshdepict.baking.look import bake_volume
 from meshdepict.color.transfer import PRESETS, TransferFunction
 from meshdepict.drawing import volume_scene
 from meshdepict.drawing.picture import read_picture_provenance
@@ -87,7 +87,7 @@ def test_going_back_restores_the_transfer_function(head):
 def test_settings_make_the_same_bake():
     session = VolumeSession(blobs(), "exaggerated", transfer=WHITE, scales=2, emphasis=0.0)
     session.drag_light((0.1, 0.0))
-    again = bake_volume(session.shape, **session.settings())
+    again = session.look_now().bake(session.shape)
     np.testing.assert_array_equal(again.rgba, session.baked().rgba)
 
 

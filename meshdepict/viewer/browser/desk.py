@@ -119,7 +119,7 @@ class Desk:
         with TemporaryDirectory(prefix="meshdepict-") as folder:
             path = Path(folder) / self.name(kind)
             if kind == "recipe":
-                save_recipe(path, self.session.settings())
+                save_recipe(path, self.session.look_now())
             elif kind == "png":
                 baked.picture(path, size=size)
             elif kind == "html":

@@ -13,7 +13,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from meshdepict.baking.surfaces import bake, own_colors
+from meshdepict.baking.look import bake
+from meshdepict.baking.surfaces import own_colors
 from meshdepict.errors import MeshdepictError
 from meshdepict.options import options_of
 from meshdepict.viewer.light_drag import lights_of

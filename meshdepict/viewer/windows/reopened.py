@@ -28,18 +28,20 @@ def session_of(baked: Baked) -> Session:
         For what a session can't change: two-dimensional colour maps, the object's own colours, a
         panorama, a refined bake.
     """
-    space, settings = baked.space, dict(baked.settings)
-    if space is None or baked.shape.kind != "mesh" or settings.pop("albedo", "none") != "none":
+    space, look = baked.space, baked.look
+    if space is None or look is None or baked.shape.kind != "mesh" or look.albedo != "none":
         raise MeshdepictError("only a mesh as it is, without its own colours, can be lit anew")
-    if settings.pop("colormap2d", None) is not None:
+    if look.colormap2d is not None:
         raise MeshdepictError("a colour map of two lights can't be lit anew")
-    if isinstance(settings["light"], Environment):
+    if isinstance(look.light, Environment):
         raise MeshdepictError("a panorama can't be turned by hand")
     count = len(space.widths) - 1
-    session = Session(
-        baked.shape, view=baked.view, scales=count or None, ratio=space.ratio if count else None,
-        width=float(space.widths[1]) if count else None, facing=space.facing,
-        tolerance=space.tolerance, **settings,
-    )  # fmt: skip
+    made = {
+        "scales": count or None, "ratio": space.ratio if count else None,
+        "width": float(space.widths[1]) if count else None, "facing": space.facing,
+        "tolerance": space.tolerance,
+    }  # fmt: skip
+    again = look.replace(view=baked.view, **made)
+    session = Session(baked.shape, again.method, **again.words())
     session.adopt(space, baked)
     return session

@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from meshdepict.baking.volumes import BakedVolume, as_volume, bake_volume
+from meshdepict.baking.choices import choice_fields
+from meshdepict.baking.look import Look
+from meshdepict.baking.volumes import BakedVolume, as_volume, bake_grid
 from meshdepict.color.transfer import for_volume
 from meshdepict.color.transfer_function import TransferFunction
 from meshdepict.scales.grid_scales import GridSpace
-from meshdepict.scene.names import as_lighting, as_view
-from meshdepict.scene.view import View
 from meshdepict.viewer.session import Session
 
 __all__ = ["VolumeSession"]
@@ -25,7 +25,7 @@ class VolumeSession(Session):
     ----------
     volume : path, Volume, pyvista.ImageData or BakedVolume
         A bake brings its transfer function, view and normals along.
-    method, transfer, light, view, up, scales, width, ratio, tolerance, **options
+    method, **chosen
         As for `bake_volume`.
     progress : callable, optional
         ``progress(done, total)``, whenever normals are smoothed.
@@ -46,37 +46,18 @@ class VolumeSession(Session):
         volume: Any,
         method: str = "exaggerated",
         *,
-        transfer: str | TransferFunction = "bone",
-        light: Any = "northwest",
-        view: str | View = "front",
-        up: str = "z",
-        scales: int | None = None,
-        width: float | str | None = None,
-        ratio: float | None = None,
-        tolerance: float = 1e-3,
         progress: Callable[[float, float], None] | None = None,
-        **options: Any,
+        **chosen: Any,
     ) -> None:
         given = volume if isinstance(volume, BakedVolume) else None
         self.shape: Any = given.shape if given is not None else as_volume(volume)
-        self.up = up
-        self.view = as_view(view if given is None else given.view, self.shape, up=up)
-        self.light = as_lighting(light, self.view, up=up)
-        self.progress = progress
-        self._asked = {"scales": scales, "ratio": ratio}
-        self._smoothing = {"width": width, "tolerance": tolerance}
+        look = Look(method, **chosen)
+        if given is not None:
+            look = look.replace(view=given.view, transfer=given.transfer or look.transfer)
         self._transfers: dict[str, TransferFunction] = {}
         self._grids: dict[tuple[str, int, float | None], GridSpace] = {}
-        self._options = {}
-        self._baked: Any = None
-        self.method = method
-        self.colormap = None
-        self.light_fixed_to = "object"
-        self.use(method)
-        self.set(**options)
-        if given is not None and given.transfer is not None:
-            transfer = given.transfer
-        self.show(transfer)
+        self._begin(look, progress)
+        self.show(look.of_kind("volume").transfer)
         if given is not None and given.space is not None:
             self._keep(given.space)
         self._first = self.look_now()
@@ -97,14 +78,14 @@ class VolumeSession(Session):
         self.transfer = self._transfers[name]
         self._baked = None
 
-    def look_now(self) -> Any:
-        """Return what is chosen, for `go_back`."""
-        return self.transfer, super().look_now()
+    def look_now(self) -> Look:
+        """Return what is chosen, for `go_back`, recipes and bakes."""
+        return super().look_now().replace(transfer=self.transfer)
 
-    def go_back(self, look: Any) -> None:
+    def go_back(self, look: Look) -> None:
         """Choose again what `look_now` returned."""
-        self.show(look[0])
-        super().go_back(look[1])
+        self.show(look.transfer)
+        super().go_back(look)
 
     @property
     def space(self) -> Any:
@@ -118,32 +99,20 @@ class VolumeSession(Session):
             if found is None and self.declared.scales == 0:  # any: it takes their first normals
                 same = (s for key, s in self._grids.items() if key[0] == self.transfer.name)
                 found = next(same, None)
-            smoothing: dict[str, Any] = {}
+            look = self.look_now()
             if found is None:
-                smoothing = {
-                    "transfer": self.transfer, "progress": self.progress,
-                    **self._asked, **self._smoothing,
-                }  # fmt: skip
-            self._baked = bake_volume(
-                self.shape if found is None else found, self.method, light=self.light,
-                view=self.view, up=self.up, **smoothing, **self.options,
-            )  # fmt: skip
+                self._baked = bake_grid(self.shape, look, progress=self.progress)
+            else:
+                made = dict.fromkeys(("scales", "width", "ratio", "transfer"))
+                made["tolerance"] = choice_fields()["tolerance"].default
+                self._baked = bake_grid(found, look.replace(**made))
             if found is None and self._baked.space is not None:
                 self._keep(self._baked.space)
         return self._baked
 
-    def settings(self) -> dict[str, Any]:
-        """Return the keywords of `bake_volume` that make this look."""
-        return {
-            "method": self.method, "transfer": self.transfer, "light": self.light,
-            "view": self.view, "up": self.up, **self._asked, **self._smoothing, **self.options,
-        }  # fmt: skip
-
     def _key(self) -> tuple[str, int, float | None]:
-        declared = self.declared
-        scales = declared.scales if self._asked["scales"] is None else self._asked["scales"]
-        ratio = self._asked["ratio"] or declared.ratio
-        return self.transfer.name, scales if declared.scales else 0, ratio
+        scales, ratio = self._asked.replace(method=self.method).ladder
+        return self.transfer.name, scales, ratio
 
     def _keep(self, space: GridSpace) -> None:
         self._grids[self._key()] = space

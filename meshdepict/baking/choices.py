@@ -1,0 +1,257 @@
+"""What a person chooses of a bake's looks: one list of names, with their defaults and their words.
+
+Everything that takes a look or writes one down (bakes, recipes, windows, pages, the command line)
+takes `Choices`; nothing lists these names a second time.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import functools
+import inspect
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, Literal, Self
+
+from meshdepict import color
+from meshdepict.color import colormaps2d
+from meshdepict.errors import MeshdepictError
+from meshdepict.options import check, options_of
+from meshdepict.scales.ladder import FACING, TOLERANCE
+from meshdepict.scene.view import View
+
+if TYPE_CHECKING:
+    from meshdepict.shading.method import Declaration
+
+__all__ = ["Choices", "choice_fields", "takes_choices"]
+
+MESH, VOLUME = "mesh", "volume"
+
+
+def _choice(default: Any, help: str, *, group: str = "Look", only: str = "") -> Any:  # noqa: A002
+    """Declare a choice: what it is for, where help lists it, and the kind it is about."""
+    return field(default=default, metadata={"help": help, "group": group, "only": only})
+
+
+@dataclass(frozen=True, init=False, eq=False)
+class Choices:
+    """How a shape shall look.
+
+    Parameters
+    ----------
+    method : str
+        A name of `shading.METHODS`.
+    light : str, (3,) array_like, (azimuth, elevation) or Light
+        For some methods also a sequence of these, or an Environment or its file (.hdr).
+        Names and angles refer to the view.
+    view : str or View
+        "front", "top", …; fitted to the shape.
+    up : {"y", "z", "-y", "-z"}, optional
+        Which axis of the shape points up; unless given y, and z of a volume, as in a patient's
+        frame.
+    scales, width, ratio, facing, tolerance
+        See `scale_space`; None takes what the method declares.
+    colormap : str, optional
+        Name of a 1D colour map of the result; grey unless given.
+    colormap2d : {"dusk", "earth", "swiss"}, optional
+        A map of two results: under the light, and under the light turned by 90° clockwise as the
+        view sees it (northwest and northeast).
+    albedo : {"none", "keep"}
+        "keep" multiplies the shape's own vertex colours, in linear light.
+    refine : float, optional
+        Split the triangles inside which interpolated colours are off by more than so many of 255
+        grey levels, until they are not (five times at most); see `Baked.edge_error`. New vertices
+        come after the old ones.
+    transfer : str or TransferFunction, optional
+        Of volumes: opacity and base colour; a preset's name, a .toml file or a function. "bone"
+        unless given.
+    **options
+        The method's own options.
+
+    Raises
+    ------
+    MeshdepictError
+        For anything unknown or out of range.
+    """
+
+    method: str = _choice("exaggerated", "How to shade: meshdepict methods lists what there is.")
+    light: Any = _choice(
+        "northwest",
+        "A name (north, northeast, … northwest, front), azimuth,elevation in degrees, x,y,z, or a "
+        "panorama.hdr; several, where a method takes them, parted by semicolons.",
+    )
+    view: str | View = _choice(
+        "front",
+        "Where names of lights and the picture look from: front, back, left, right, top, bottom or "
+        "isometric.",
+    )
+    up: Literal["y", "z", "-y", "-z"] | None = _choice(
+        None, "Axis of the object that points up: y unless given, and z of a volume."
+    )
+    colormap: str | None = _choice(
+        None, "Colours for dark to bright; grey unless given.", only=MESH
+    )
+    colormap2d: str | None = _choice(
+        None, "Colours for two lights, the other one 90° clockwise: dusk, earth or swiss.",
+        only=MESH,
+    )  # fmt: skip
+    transfer: Any = _choice(
+        None,
+        "What is shown, and its colours: bone, skin, muscle, lung, micro-ct, or a .toml file; bone "
+        "unless given.",
+        only=VOLUME,
+    )
+    scales: int | None = _choice(
+        None, "How often to smooth; unless given, as often as the method wants.", group="Detail"
+    )
+    width: float | str | None = _choice(
+        None,
+        "First smoothing width in the file's units, or a share of the diagonal such as 0.2%; "
+        "unless given, the median edge, or the largest distance of voxels.",
+        group="Detail",
+    )
+    ratio: float | None = _choice(None, "From one width to the next.", group="Detail")
+    facing: Literal[0, 1] = _choice(
+        FACING, "1 keeps the two sides of thin sheets apart; 0 is the plain sum of the paper.",
+        group="Detail", only=MESH,
+    )  # fmt: skip
+    tolerance: float = _choice(TOLERANCE, "Largest error of a normal, in radians.", group="Detail")
+    refine: float | None = _choice(
+        None,
+        "Split triangles inside which colours would be off by more than so many of 255 grey "
+        "levels, 2 for instance.",
+        group="Detail",
+        only=MESH,
+    )
+    albedo: Literal["keep", "none"] = _choice(
+        "none", "keep: multiply the file's own colours.", group="Files", only=MESH
+    )
+    options: Mapping[str, Any] = field(default_factory=dict)
+
+    def __init__(self, method: str = "exaggerated", **chosen: Any) -> None:
+        from meshdepict.shading.registry import find_method
+
+        function = find_method(method)
+        known = choice_fields()
+        for name, each in known.items():
+            object.__setattr__(self, name, chosen.pop(name, each.default))
+        object.__setattr__(self, "method", method)
+        object.__setattr__(self, "options", check(function, chosen, method))
+        if self.colormap is not None:
+            color.colormap(self.colormap)
+            if self.colormap2d is not None:
+                raise MeshdepictError(
+                    "colormap and colormap2d exclude each other: give one of them"
+                )
+        if self.colormap2d is not None:
+            colormaps2d.colormap2d(self.colormap2d)
+        if self.albedo not in ("none", "keep"):
+            raise MeshdepictError(f"albedo={self.albedo!r} is neither 'keep' nor 'none'")
+
+    def __repr__(self) -> str:
+        """Return what differs from the defaults."""
+        words = "".join(f", {name}={value!r}" for name, value in self.words().items())
+        return f"{type(self).__name__}({self.method!r}{words})"
+
+    @property
+    def function(self) -> Callable[..., Any]:
+        """The shading function."""
+        from meshdepict.shading.registry import find_method
+
+        return find_method(self.method)
+
+    @property
+    def declared(self) -> Declaration:
+        """What the method declares."""
+        from meshdepict.shading.method import declaration
+
+        return declaration(self.function)
+
+    @property
+    def sees(self) -> bool:
+        """Whether the method's colours depend on where the eye is."""
+        return "view" in inspect.signature(self.function).parameters
+
+    @property
+    def ladder(self) -> tuple[int, float]:
+        """How often to smooth and the ratio of the widths: as chosen, else as declared."""
+        declared = self.declared
+        scales = declared.scales if self.scales is None or not declared.scales else self.scales
+        return scales, declared.ratio if self.ratio is None else self.ratio
+
+    def axis(self, kind: str) -> str:
+        """Return which axis points up of a kind of shape: as chosen, else as usual."""
+        return self.up or ("z" if kind == VOLUME else "y")
+
+    def shade(self, space: Any, light: Any, view: View) -> Any:
+        """Return what the method makes of a scale space's samples under a light."""
+        needed = {"view": view} if self.sees else {}
+        return self.function(space, light, **needed, **self.options)
+
+    def words(self) -> dict[str, Any]:
+        """Return what differs from the defaults, and the options, as keywords; not the method."""
+        fields = {
+            name: getattr(self, name)
+            for name, each in choice_fields().items()
+            if name != "method" and getattr(self, name) is not each.default
+        }
+        return {**fields, **self.options}
+
+    def replace(self, **changes: Any) -> Self:
+        """Return other choices: with changes, and of another method without this one's options."""
+        method = changes.pop("method", self.method)
+        kept = {name: value for name, value in self.words().items() if name not in self.options}
+        options = self.options if method == self.method else {}
+        return type(self)(method, **{**kept, **options, **changes})
+
+    def of_kind(self, kind: str) -> Self:
+        """Return these choices with what follows from a shape's kind: ladder, up, curvature.
+
+        Parameters
+        ----------
+        kind : {"mesh", "image", "volume"}
+
+        Raises
+        ------
+        MeshdepictError
+            For a choice that is about another kind.
+        """
+        for name, each in choice_fields().items():
+            only = each.metadata["only"]
+            if only and (only == VOLUME) != (kind == VOLUME) and (
+                getattr(self, name) != each.default
+            ):  # fmt: skip
+                raise MeshdepictError(
+                    f"{name} is about a {only}, and this is a {kind}: leave it out"
+                )
+        scales, ratio = self.ladder
+        follows: dict[str, Any] = {"scales": scales, "ratio": ratio, "up": self.axis(kind)}
+        if kind == VOLUME and self.transfer is None:
+            follows["transfer"] = "bone"
+        if kind == "image" and "curvature" in options_of(self.function):
+            follows["curvature"] = self.options.get("curvature", "view")  # as its paper has it
+        return self.replace(**follows)
+
+
+@functools.cache
+def choice_fields() -> Mapping[str, dataclasses.Field[Any]]:
+    """Return the choices by name, but for the options of the method."""
+    return {each.name: each for each in dataclasses.fields(Choices) if each.name != "options"}
+
+
+def takes_choices(function: Callable[..., Any]) -> Callable[..., Any]:
+    """Say in a function's signature which keywords its ``**chosen`` stands for."""
+    signature = inspect.signature(function)
+    kept = [p for p in signature.parameters.values() if p.kind is not p.VAR_KEYWORD]
+    named = {p.name for p in kept}
+    chosen = [
+        inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=each.default)
+        for name, each in choice_fields().items()
+        if name not in named
+    ]
+    rest = inspect.Parameter("options", inspect.Parameter.VAR_KEYWORD)
+    front = [p for p in kept if p.kind is not p.KEYWORD_ONLY]
+    back = [p for p in kept if p.kind is p.KEYWORD_ONLY]
+    shown = signature.replace(parameters=[*front, *chosen, *back, rest])
+    function.__signature__ = shown  # type: ignore[attr-defined]
+    return function

@@ -1,0 +1,123 @@
+"""Looks, and baking by one: from a shape and a method's name to colours, in one line."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import Any, Self
+
+from meshdepict.baking import surfaces, volumes
+from meshdepict.baking.baked import Baked
+from meshdepict.baking.choices import Choices, takes_choices
+from meshdepict.baking.recipe import load_recipe, save_recipe
+from meshdepict.baking.volumes import BakedVolume
+from meshdepict.scales.grid_scales import MEMORY
+from meshdepict.scales.ladder import Progress
+
+__all__ = ["Look", "bake", "bake_volume"]
+
+
+class Look(Choices):
+    """How a shape shall look: frozen, to be baked on any shape, saved and loaded.
+
+    ``Look("exaggerated", light="west", exaggeration=30).bake("scan.ply")``. Parameters are those of
+    `Choices`: method, light, view, up, scales, width, ratio, facing, tolerance, colour maps,
+    albedo, refine, transfer, and the method's own options.
+
+    Raises
+    ------
+    MeshdepictError
+        For anything unknown or out of range.
+    """
+
+    def bake(self, shape: Any, *, progress: Progress | None = None) -> Baked | BakedVolume:
+        """Shade a shape: a surface as `bake` does, a volume as `bake_volume` does.
+
+        Raises
+        ------
+        MeshdepictError
+            As `bake` and `bake_volume`.
+        """
+        if volumes.is_volume(shape):
+            return volumes.bake_grid(shape, self, progress=progress)
+        return surfaces.bake_surface(shape, self, progress=progress)
+
+    def save(self, path: str | os.PathLike[str], *, force: bool = False) -> Path:
+        """Write the look as a recipe; see `save_recipe`."""
+        save_recipe(path, self, force=force)
+        return Path(path)
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> Self:
+        """Read a recipe; see `load_recipe`."""
+        return cls(**load_recipe(path))
+
+
+@takes_choices
+def bake(
+    shape: Any,
+    method: str = "exaggerated",
+    *,
+    progress: Progress | None = None,
+    **chosen: Any,
+) -> Baked:
+    """Shade a shape by a method and turn the result into colours.
+
+    Parameters
+    ----------
+    shape : path, Mesh, GBuffer, ScaleSpace, pyvista.PolyData or trimesh.Trimesh
+        A `ScaleSpace` is used as it is: several bakes can share one. What it was made with can't
+        be asked for again.
+    method : str
+        A name of `shading.METHODS`.
+    progress : callable, optional
+        ``progress(done, total)``.
+    **chosen
+        Light, view, scales and so on, as `Look` has them, and the method's own options.
+
+    Returns
+    -------
+    Baked
+
+    Raises
+    ------
+    MeshdepictError
+        For anything unknown or out of range.
+    """
+    return surfaces.bake_surface(shape, Look(method, **chosen), progress=progress)
+
+
+@takes_choices
+def bake_volume(
+    volume: Any,
+    method: str = "exaggerated",
+    *,
+    memory: float = MEMORY,
+    progress: Progress | None = None,
+    **chosen: Any,
+) -> BakedVolume:
+    """Shade the voxels that a transfer function shows, in its colours.
+
+    Parameters
+    ----------
+    volume : path, Volume or GridSpace
+        A `GridSpace` is used as it is: a new light or method takes a moment.
+    method : str
+        A name of `shading.METHODS`. Those that cast rays need a surface, and say so.
+    memory : float
+        Bytes that normals may take. Where they would take more, the volume is shaded slab by slab,
+        and every new light starts from the beginning.
+    progress : callable, optional
+        ``progress(done, total)``.
+    **chosen
+        As `Look` has them: the transfer function (a `GridSpace` has its own), light, view, scales
+        and so on, and the method's own options. z points up unless said otherwise, so that "front"
+        is the patient's. Normals point towards lower values.
+
+    Raises
+    ------
+    MeshdepictError
+        For anything unknown or out of range, where nothing is shown, and for methods that cannot
+        be had slab by slab.
+    """
+    return volumes.bake_grid(volume, Look(method, **chosen), memory=memory, progress=progress)
