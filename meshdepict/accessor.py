@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from meshdepict.baking.baked import Baked
+from meshdepict.baking.choices import LADDER
 from meshdepict.baking.look import bake
 from meshdepict.baking.surfaces import as_mesh
 from meshdepict.errors import MeshdepictError
@@ -30,7 +31,6 @@ __all__ = ["Depict", "register"]
 
 _FIELD = "meshdepict"  # the field array that holds the provenance, as in `exchange`
 _NEUTRAL = 127  # where there is nothing to shade
-_LADDER = ("scales", "width", "ratio", "facing", "tolerance")
 _BAKE = {
     name: parameter
     for name, parameter in inspect.signature(bake).parameters.items()
@@ -92,7 +92,7 @@ class Depict:
         # The file's own colours may change where the geometry doesn't: no memory of those.
         fresh = settings.get("albedo") == "keep" and kind == "mesh"
         surface = self._kept(scalars) if not fresh else _surface_of(dataset, None)
-        ladder = {name: settings.pop(name) for name in _LADDER if name in settings}
+        ladder = {name: settings.pop(name) for name in LADDER if name in settings}
         baked = bake(surface.space(declaration(function), ladder), method, **settings)
         result = _dressed(dataset, surface, baked)
         result.depict._surface = surface.of(result)
@@ -105,11 +105,11 @@ class Depict:
         image = self._dataset
         where, name = scalar_array(image, scalars)
         declared = declaration(find_method(method))
-        ladder = tuple(settings.get(key) for key in ("transfer", *_LADDER))
+        ladder = tuple(settings.get(key) for key in ("transfer", *LADDER))
         key = _stamp(image, scalars), declared.scales, declared.ratio, ladder
         if key == self._voxels[0]:
             shape = self._voxels[1]
-            settings = {k: v for k, v in settings.items() if k not in ("transfer", *_LADDER)}
+            settings = {k: v for k, v in settings.items() if k not in ("transfer", *LADDER)}
         else:
             shape = _volume_of(image, where, name)
         baked = bake_volume(shape, method, **settings)
@@ -145,7 +145,7 @@ class _Surface:
 
     def space(self, declared: Any, ladder: Mapping[str, Any]) -> ScaleSpace:
         """Return the scale space that `bake` would make; made once."""
-        wanted = {name: ladder.get(name, _BAKE[name].default) for name in _LADDER}
+        wanted = {name: ladder.get(name, _BAKE[name].default) for name in LADDER}
         if wanted["scales"] is None or declared.scales == 0:
             wanted["scales"] = declared.scales
         wanted["ratio"] = wanted["ratio"] or declared.ratio

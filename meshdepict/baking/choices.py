@@ -23,9 +23,12 @@ from meshdepict.scene.view import View
 if TYPE_CHECKING:
     from meshdepict.shading.method import Declaration
 
-__all__ = ["Choices", "choice_fields", "takes_choices"]
+__all__ = ["LADDER", "Choices", "choice_fields", "takes_choices"]
 
 MESH, VOLUME = "mesh", "volume"
+
+LADDER = ("scales", "width", "ratio", "facing", "tolerance")
+"""Those of the choices that scale spaces are made with."""
 
 
 def _choice(default: Any, help: str, *, group: str = "Look", only: str = "") -> Any:  # noqa: A002

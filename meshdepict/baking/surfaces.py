@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from meshdepict import color
 from meshdepict.baking.baked import Baked
-from meshdepict.baking.choices import Choices, choice_fields
+from meshdepict.baking.choices import LADDER, Choices, choice_fields
 from meshdepict.baking.provenance import describe, was_baked
 from meshdepict.color import colormaps2d
 from meshdepict.errors import MeshdepictError
@@ -142,7 +142,7 @@ def own_colors(mesh: Mesh) -> NDArray[np.uint8]:
 
 def refuse_other_scales(space: ScaleSpace, chosen: Choices) -> None:
     """Refuse to ask a finished scale space for what it wasn't made with."""
-    for name in ("scales", "width", "ratio", "facing", "tolerance"):
+    for name in LADDER:
         value = getattr(chosen, name)
         if value not in (choice_fields()[name].default, getattr(space, name, None)):
             raise MeshdepictError(

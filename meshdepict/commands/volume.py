@@ -107,9 +107,8 @@ def volume(
             about = _shade_voxels(grid, wanted, progress, output, picture, before, cuts, page)
     written = ", ".join(str(path) for path in filter(None, (output, picture, before, *cuts)))
     seconds = time.perf_counter() - start
-    print(
-        f"{written}: {method}, light {vars(look)['light'] or wanted.light}, {about}, {seconds:.1f} s"
-    )
+    lamp = vars(look)["light"] or wanted.light
+    print(f"{written}: {method}, light {lamp}, {about}, {seconds:.1f} s")  # noqa: T201
 
 
 def _shade_surface(
