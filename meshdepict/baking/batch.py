@@ -26,7 +26,6 @@ from meshdepict.drawing.picture import check_picture, save_picture
 from meshdepict.errors import MeshdepictError
 from meshdepict.io import read_mesh
 from meshdepict.io.source import FORMATS, WRITABLE, suffix_of
-from meshdepict.scene.names import as_view
 from meshdepict.shapes import samples
 
 if TYPE_CHECKING:
@@ -147,8 +146,7 @@ class Batch:
 
     def _check_fit(self, mesh: Mesh) -> None:
         """Refuse what is too large for its picture, before the long work."""
-        up = self.look.axis(mesh.kind)
-        frame(as_view(self.look.view, mesh, up=up), mesh, self.figure)
+        frame(self.look.eye(mesh), mesh, self.figure)
 
     def _bake(self, job: Job) -> str:
         """Bake one mesh, write the files and return the line about it."""

@@ -18,6 +18,7 @@ from meshdepict.color import colormaps2d
 from meshdepict.errors import MeshdepictError
 from meshdepict.options import check, options_of
 from meshdepict.scales.ladder import FACING, TOLERANCE
+from meshdepict.scene.names import as_view
 from meshdepict.scene.view import View
 
 if TYPE_CHECKING:
@@ -48,7 +49,8 @@ class Choices:
         For some methods also a sequence of these, or an Environment or its file (.hdr).
         Names and angles refer to the view.
     view : str or View
-        "front", "top", …; fitted to the shape.
+        "front", "top", …; fitted to the shape. "auto" looks down on a sheet that lies like a
+        terrain, and at the front of anything else.
     up : {"y", "z", "-y", "-z"}, optional
         Which axis of the shape points up; unless given y, and z of a volume, as in a patient's
         frame.
@@ -65,6 +67,8 @@ class Choices:
         Split the triangles inside which interpolated colours are off by more than so many of 255
         grey levels, until they are not (five times at most); see `Baked.edge_error`. New vertices
         come after the old ones.
+    two_sided : bool
+        Shade the side that the view sees, also where faces look away from it.
     transfer : str or TransferFunction, optional
         Of volumes: opacity and base colour; a preset's name, a .toml file or a function. "bone"
         unless given.
@@ -85,8 +89,8 @@ class Choices:
     )
     view: str | View = _choice(
         "front",
-        "Where names of lights and the picture look from: front, back, left, right, top, bottom or "
-        "isometric.",
+        "Where names of lights and the picture look from: front, back, left, right, top, bottom, "
+        "isometric, or auto: from above where it lies like a terrain, else front.",
     )
     up: Literal["y", "z", "-y", "-z"] | None = _choice(
         None, "Axis of the object that points up: y unless given, and z of a volume."
@@ -129,6 +133,11 @@ class Choices:
     albedo: Literal["keep", "none"] = _choice(
         "none", "keep: multiply the file's own colours.", group="Files", only=MESH
     )
+    two_sided: bool = _choice(
+        False,  # noqa: FBT003
+        "Shade the side that is seen, also where faces look away from the eye: for open sheets.",
+        only=MESH,
+    )
     options: Mapping[str, Any] = field(default_factory=dict)
 
     def __init__(self, method: str = "exaggerated", **chosen: Any) -> None:
@@ -150,6 +159,8 @@ class Choices:
             colormaps2d.colormap2d(self.colormap2d)
         if self.albedo not in ("none", "keep"):
             raise MeshdepictError(f"albedo={self.albedo!r} is neither 'keep' nor 'none'")
+        if not isinstance(self.two_sided, bool):
+            raise MeshdepictError(f"two_sided={self.two_sided!r} is neither True nor False")
 
     def __repr__(self) -> str:
         """Return what differs from the defaults."""
@@ -172,8 +183,8 @@ class Choices:
 
     @property
     def sees(self) -> bool:
-        """Whether the method's colours depend on where the eye is."""
-        return "view" in inspect.signature(self.function).parameters
+        """Whether colours depend on where the eye is."""
+        return self.two_sided or "view" in inspect.signature(self.function).parameters
 
     @property
     def ladder(self) -> tuple[int, float]:
@@ -186,9 +197,22 @@ class Choices:
         """Return which axis points up of a kind of shape: as chosen, else as usual."""
         return self.up or ("z" if kind == VOLUME else "y")
 
+    def eye(self, shape: Any) -> View:
+        """Return the view of a shape."""
+        up, name = self.axis(shape.kind), self.view
+        if isinstance(name, str) and name == "auto":
+            from meshdepict.baking.sheets import automatic_view
+
+            name = automatic_view(shape, up)
+        return as_view(name, shape, up=up)
+
     def shade(self, space: Any, light: Any, view: View) -> Any:
         """Return what the method makes of a scale space's samples under a light."""
-        needed = {"view": view} if self.sees else {}
+        needed = {"view": view} if "view" in inspect.signature(self.function).parameters else {}
+        if self.two_sided:
+            from meshdepict.scales.seen_side import SeenSide
+
+            space = SeenSide(space, view)
         return self.function(space, light, **needed, **self.options)
 
     def words(self) -> dict[str, Any]:

@@ -46,6 +46,7 @@ def describe(look: Choices, space: ScaleSpace, *, light: Any) -> dict[str, str]:
         "view": f"{look.view}, up {look.up}" if isinstance(look.view, str) else str(look.view),
         "colormap": look.colormap or look.colormap2d or "gray",
         "albedo": look.albedo,
+        **({"sides": "the one that is seen"} if look.two_sided else {}),
         space.shape.kind: space.shape.identity,
     }
 

@@ -158,6 +158,8 @@ def _value(name: str, value: Any) -> str:
         if isinstance(items, (list, tuple)):
             return "[" + ", ".join(_value(name, item) for item in items) + "]"
         value = items
-    if isinstance(value, (int, float)) and not isinstance(value, bool):
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, (int, float)):
         return repr(value)
     raise MeshdepictError(f"a recipe can't hold {name}={value!r}: give it by name or in numbers")

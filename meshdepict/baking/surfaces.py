@@ -13,12 +13,13 @@ from meshdepict import color
 from meshdepict.baking.baked import Baked
 from meshdepict.baking.choices import LADDER, Choices, choice_fields
 from meshdepict.baking.provenance import describe, was_baked
+from meshdepict.baking.sheets import warn_of_backs
 from meshdepict.color import colormaps2d
 from meshdepict.errors import MeshdepictError
 from meshdepict.scales.ladder import Progress
 from meshdepict.scales.making import scale_space
 from meshdepict.scales.space import ScaleSpace
-from meshdepict.scene.names import as_light, as_lighting, as_view
+from meshdepict.scene.names import as_light, as_lighting
 
 if TYPE_CHECKING:
     from meshdepict.shapes.mesh import Mesh
@@ -44,7 +45,9 @@ def bake_surface(shape: Any, look: Choices, *, progress: Progress | None = None)
     else:
         mesh = shape if kind == "image" else as_mesh(shape)
     own = own_colors(mesh) if look.albedo == "keep" else None
-    eye = as_view(look.view, mesh, up=up)
+    eye = look.eye(mesh)
+    if isinstance(look.view, str) and look.view == "auto":
+        look = look.replace(view=eye.name)
     lamp = (
         as_lighting(look.light, eye, up=up)
         if look.colormap2d is None
@@ -58,6 +61,8 @@ def bake_surface(shape: Any, look: Choices, *, progress: Progress | None = None)
             mesh, scales=scales, width=look.width, ratio=ratio, facing=look.facing,
             tolerance=look.tolerance, progress=progress,
         )  # fmt: skip
+    if space is not shape and not look.two_sided:  # viewers turn what they show
+        warn_of_backs(space.points, space.normals[0], eye)
     linear = look.declared.linear
     local = look.declared.local and look.colormap2d is None and mesh.kind == "mesh"
 

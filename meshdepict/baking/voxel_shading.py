@@ -14,7 +14,7 @@ from meshdepict.baking.provenance import describe
 from meshdepict.errors import MeshdepictError
 from meshdepict.scales.grid_scales import GridSpace, piece_space
 from meshdepict.scales.ladder import check_ladder, ladder
-from meshdepict.scene.names import as_lighting, as_view
+from meshdepict.scene.names import as_lighting
 from meshdepict.scene.view import View
 from meshdepict.shapes.lengths import resolve_width
 from meshdepict.threads import each, spans
@@ -174,7 +174,7 @@ def voxel_shading(
     if widths is None:
         check_ladder(scales, ratio, 0, look.tolerance)
         widths = ladder(scales, ratio, resolve_width(look.width, shape))
-    eye = as_view(look.view, shape, up=up)
+    eye = look.eye(shape)
     return VoxelShading(
         shape=shape,
         look=look,

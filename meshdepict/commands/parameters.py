@@ -159,20 +159,24 @@ def _word(each: dataclasses.Field[Any], hint: Any) -> tuple[str, Any, None]:
     converter: Any = None
     if literal is not None:
         kind = literal
+    elif bool in kinds:
+        kind = bool
     elif int in kinds:
         kind, converter = int, whole
     elif float in kinds and str not in kinds:
         kind, converter = float, number
     else:
         kind = str
-    usual = "" if each.default is None else f" [default: {each.default}]"
+    default = "auto" if each.name == "view" else each.default
+    usual = "" if default in (None, False) else f" [default: {default}]"
     names = {"method": ["--method", "-m"], "colormap2d": "--colormap2d"}
     parameter = Parameter(
-        name=names.get(each.name, f"--{each.name}"),
+        name=names.get(each.name, f"--{each.name.replace('_', '-')}"),
         converter=converter,
         group=_GROUPS[each.metadata["group"]],
         allow_leading_hyphen=True,
         help=each.metadata["help"] + usual,
+        show_default=False,
     )
     return each.name, Annotated[kind | None, parameter], None
 
@@ -242,6 +246,7 @@ def said_look(words: LookWords, recipe: str | None = None) -> Look:
     chosen: Mapping[str, Any] = words.said
     if recipe is not None:
         chosen = merge_recipe(load_recipe(recipe), chosen)
+    chosen = {"view": "auto", **chosen}  # in Python a script must not change with the shape
     method = chosen.get("method", choice_fields()["method"].default)
     options = method_options(method, words.options or [])
     return Look(**{**chosen, "method": method, **options})

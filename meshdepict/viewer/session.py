@@ -5,7 +5,6 @@ Knows neither windows nor pages; both change a `Session` and show its colours.
 
 from __future__ import annotations
 
-import inspect
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
@@ -77,7 +76,7 @@ class Session:
         look.of_kind(self.shape.kind)  # refuses what is about other kinds
         self._asked = look
         self.up = look.axis(self.shape.kind)
-        self.view = as_view(look.view, self.shape, up=self.up)
+        self.view = look.eye(self.shape)
         self.light = as_lighting(look.light, self.view, up=self.up)
         self.progress = progress
         self._spaces: dict[tuple[int, float], ScaleSpace] = {}
@@ -201,7 +200,7 @@ class Session:
     @property
     def follows_view(self) -> bool:
         """Whether another view gives other colours."""
-        return "view" in inspect.signature(find_method(self.method)).parameters
+        return self._asked.replace(method=self.method).sees
 
     @property
     def space(self) -> ScaleSpace:
@@ -231,7 +230,13 @@ class Session:
 
     def _bake(self, space: ScaleSpace) -> Baked:
         found = bake(
-            space, self.method, light=self.light, view=self.view, up=self.up, **self.options
+            space,
+            self.method,
+            light=self.light,
+            view=self.view,
+            up=self.up,
+            two_sided=self._asked.two_sided,
+            **self.options,
         )
         if self.colormap is not None and found.intensity.ndim == 1:  # colours stay as they are
             found.colors = color.encode(

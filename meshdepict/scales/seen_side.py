@@ -1,0 +1,74 @@
+"""Samples with the normals of the side that is seen: of sheets, whose other side is as real."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from meshdepict.curvature.principal import PrincipalCurvatures
+from meshdepict.scales.space import ScaleSpace
+
+if TYPE_CHECKING:
+    from meshdepict.scene.view import View
+    from meshdepict.shapes.mesh import Mesh
+
+__all__ = ["SeenSide", "towards_eye"]
+
+Floats = NDArray[np.float64]
+
+
+def towards_eye(points: Floats, view: View) -> Floats:
+    """Return the unit vectors (n, 3) from points to the eye, or (1, 3) in a parallel view."""
+    if view.parallel_scale is not None:
+        return view.towards_eye[None]
+    away = view.position - points
+    length = np.linalg.norm(away, axis=1, keepdims=True)
+    return np.where(length > 0, away / np.where(length > 0, length, 1), view.towards_eye)
+
+
+class SeenSide(ScaleSpace):
+    """The samples of a scale space, turned to the eye where they look away from it.
+
+    A sample is turned at every scale or at none, by its own unsmoothed normal, and bends the other
+    way then. Rays leave on the side that is seen.
+
+    Parameters
+    ----------
+    source : ScaleSpace
+    view : View
+    """
+
+    def __init__(self, source: ScaleSpace, view: View) -> None:
+        self.source = source
+        cosine = (source.normals[0] * towards_eye(source.points, view)).sum(axis=1)
+        self.turned = cosine < 0
+        planes = np.where(self.turned, -source._planes, source._planes)
+        super().__init__(
+            source.shape, source.points, source.widths, source.ratio, planes,
+            facing=source.facing, tolerance=source.tolerance,
+        )  # fmt: skip
+
+    @property
+    def unit_points(self) -> Floats:
+        """As the source has them."""
+        return self.source.unit_points
+
+    @property
+    def surface(self) -> Mesh:
+        """The surface that rays from the samples can meet."""
+        return self.source.surface
+
+    def mean(self, values: NDArray[Any], width: float) -> Floats:
+        """Return values averaged over the samples around; see `ScaleSpace.mean`."""
+        return self.source.mean(values, width)
+
+    def _principal(self, scale: int) -> PrincipalCurvatures:
+        k1, k2, d1, d2 = self.source.curvature(scale)
+        sign = np.where(self.turned, -1.0, 1.0)
+        # Of the turned normal d1 and −d2 are right-handed.
+        return PrincipalCurvatures(sign * k1, sign * k2, d1, d2 * sign[:, None].astype(np.float32))
+
+    def _turns(self, scale: int) -> NDArray[np.float32]:
+        return self.source._turns(scale)
