@@ -24,7 +24,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 import meshdepict as md
-from meshdepict.color.encoding import linear_to_srgb
+from meshdepict.color.srgb import linear_to_srgb
 from meshdepict.scales.image_scales import image_space
 from meshdepict.scales.interpolated_scales import InterpolatedSpace
 from meshdepict.scene.names import as_light

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from meshdepict.color.encoding import linear_to_srgb
+from meshdepict.color.srgb import linear_to_srgb
 from meshdepict.errors import MeshdepictError
 from meshdepict.scales.interpolated_scales import InterpolatedSpace
 from meshdepict.scales.space import ScaleSpace

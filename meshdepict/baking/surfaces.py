@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from meshdepict import color
 from meshdepict.baking.baked import Baked
 from meshdepict.baking.choices import LADDER, Choices, choice_fields
+from meshdepict.baking.clipping import warn_of_clipping
 from meshdepict.baking.provenance import describe, was_baked
 from meshdepict.baking.sheets import warn_of_backs
 from meshdepict.color import colormaps2d
@@ -82,6 +83,7 @@ def bake_surface(shape: Any, look: Choices, *, progress: Progress | None = None)
         own = own_colors(mesh) if look.albedo == "keep" else None
     elif look.colormap2d is None:
         intensity = shade(lamp)
+        warn_of_clipping(look, lamp, intensity, lambda other: other.shade(space, lamp, eye))
     else:
         intensity = colormaps2d.both_lights(shade, lamp, eye, look.colormap2d, linear=linear)
         linear = False

@@ -11,7 +11,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from meshdepict.color.encoding import linear_to_srgb, quantise
+from meshdepict.color.srgb import linear_to_srgb, quantise
 from meshdepict.errors import MeshdepictError
 from meshdepict.options import nearest
 from meshdepict.scene.light import Light

@@ -99,7 +99,7 @@ def _parsed(text: bytes) -> dict[str, Any]:
 
 
 def _joined(parts: list[Part], document: Document) -> Contents:
-    from meshdepict.color.encoding import linear_to_srgb
+    from meshdepict.color.srgb import linear_to_srgb
 
     counts = [len(part.points) for part in parts]
     before = np.cumsum([0, *counts])
@@ -145,7 +145,7 @@ def encode(file: BinaryIO, mesh: Mesh, saving: Saving) -> None:
 
 def _built(mesh: Mesh, saving: Saving) -> tuple[dict[str, Any], bytes]:
     """Return the JSON and the binary part of a file."""
-    from meshdepict.color.encoding import srgb_to_linear
+    from meshdepict.color.srgb import srgb_to_linear
 
     node: dict[str, Any] = {"mesh": 0}
     points = mesh.vertices

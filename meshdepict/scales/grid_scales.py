@@ -111,14 +111,14 @@ class GridSpace(ScaleSpace):
         return self._opacity(self._samples, self.gradient)
 
     def _color(self, samples: Samples) -> NDArray[np.float32]:
-        from meshdepict.color.encoding import srgb_to_linear
+        from meshdepict.color.srgb import srgb_to_linear
 
         if self.transfer is None:
             return np.ones((len(samples), 3), np.float32)
         return srgb_to_linear(self.transfer.color(self._piece.at(samples)))
 
     def _opacity(self, samples: Samples, gradient: NDArray[Any]) -> NDArray[np.uint8]:
-        from meshdepict.color.encoding import quantise
+        from meshdepict.color.srgb import quantise
 
         if self.transfer is None:
             return np.full(len(samples), 255, np.uint8)

@@ -9,8 +9,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from meshdepict.color.srgb import linear_to_srgb
 from meshdepict.errors import MeshdepictError
 from meshdepict.options import nearest
+from meshdepict.scene.equirectangular import read_radiance
 
 Floats = NDArray[Any]
 
@@ -51,6 +53,8 @@ def painted(picture: NDArray[np.float32], normals: NDArray[Any]) -> NDArray[np.f
 def sphere_picture(sphere: str | Path) -> NDArray[np.float32]:
     """Return a lit sphere's display colours: a built-in one, or a picture file's.
 
+    Radiance (.hdr) is linear: it is clipped to 1 and encoded.
+
     Raises
     ------
     MeshdepictError
@@ -63,6 +67,16 @@ def sphere_picture(sphere: str | Path) -> NDArray[np.float32]:
             f"no lit sphere is called {sphere!r}{nearest(sphere, SPHERES)} (there are "
             f"{', '.join(SPHERES)}, or give a picture file)"
         )
+    if Path(sphere).suffix.lower() == ".hdr":
+        picture: Floats = linear_to_srgb(read_radiance(Path(sphere)))
+    else:
+        picture = _filled(_read(sphere))
+    if min(picture.shape[:2]) < 2:
+        raise MeshdepictError(f"{sphere}: too small for a lit sphere")
+    return np.ascontiguousarray(picture, np.float32)
+
+
+def _read(sphere: str | Path) -> Floats:
     from PIL import Image, UnidentifiedImageError
 
     try:
@@ -70,9 +84,7 @@ def sphere_picture(sphere: str | Path) -> NDArray[np.float32]:
             rgba: Floats = np.asarray(image.convert("RGBA"), np.float32) / 255
     except (OSError, UnidentifiedImageError, SyntaxError, ValueError) as error:
         raise MeshdepictError(f"{sphere}: cannot be read as a picture ({error})") from None
-    if min(rgba.shape[:2]) < 2:
-        raise MeshdepictError(f"{sphere}: too small for a lit sphere")
-    return _filled(rgba)
+    return rgba
 
 
 def _filled(rgba: Floats) -> Floats:

@@ -76,7 +76,7 @@ def seen(
 
 def sphere_colors(space: ScaleSpace, view: View, material: LitSphere, convexity: Single) -> Single:
     """Return linear colours (n, 3) of one lit sphere, or of two mixed by convexity."""
-    from meshdepict.color.encoding import srgb_to_linear
+    from meshdepict.color.srgb import srgb_to_linear
 
     normals = space.normals[0] @ view.frame.T.astype(np.float32)
     colors = painted(sphere_picture(material.convex), normals)

@@ -6,7 +6,7 @@ from conftest import angle_between
 
 import meshdepict as md
 from meshdepict.baking import refinement
-from meshdepict.color.encoding import linear_to_srgb
+from meshdepict.color.srgb import linear_to_srgb
 from meshdepict.errors import MeshdepictError
 from meshdepict.scales.interpolated_scales import InterpolatedSpace
 from meshdepict.shading import METHODS, declaration

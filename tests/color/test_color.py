@@ -8,15 +8,9 @@ import numpy as np
 import pytest
 
 from meshdepict import MeshdepictError
-from meshdepict.color.encoding import (
-    apply_colormap,
-    colormap,
-    encode,
-    linear_to_srgb,
-    multiply_albedo,
-    quantise,
-    srgb_to_linear,
-)
+from meshdepict.color.colormaps import colormap
+from meshdepict.color.encoding import apply_colormap, encode, multiply_albedo
+from meshdepict.color.srgb import linear_to_srgb, quantise, srgb_to_linear
 
 RAMP = np.linspace(0, 1, 100_001)
 BUILT_IN = ["gray", "sepia", "stone", "gooch"]

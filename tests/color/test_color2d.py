@@ -5,7 +5,7 @@ import pytest
 
 import meshdepict as md
 from meshdepict.color.colormaps2d import NAMES, colormap2d, mix, second_light
-from meshdepict.color.encoding import srgb_to_linear
+from meshdepict.color.srgb import srgb_to_linear
 from meshdepict.errors import MeshdepictError
 from meshdepict.scene.names import as_light, as_view
 

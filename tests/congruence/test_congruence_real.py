@@ -5,7 +5,7 @@ import pytest
 import pyvista as pv
 
 from meshdepict import bake, congruence, scale_space
-from meshdepict.color.encoding import srgb_to_linear
+from meshdepict.color.srgb import srgb_to_linear
 from meshdepict.scene.view import View
 from meshdepict.shading import METHODS, declaration
 

@@ -14,7 +14,7 @@ import pytest
 import trimesh
 from conftest import rotation, tetrahedron
 
-from meshdepict.color.encoding import srgb_to_linear
+from meshdepict.color.srgb import srgb_to_linear
 from meshdepict.errors import MeshdepictError, MeshdepictWarning
 from meshdepict.io import read_mesh, read_provenance, write_mesh
 from meshdepict.shapes.mesh import Mesh

@@ -194,3 +194,17 @@ def test_a_file_lights_a_bake_and_its_up_is_the_shapes(tmp_path, up):
     height = baked.shape.vertices[:, 1 if up == "y" else 2]
     assert baked.intensity[height > 0.9].min() > 0.2
     assert baked.intensity[height < -0.9].max() < 0.01
+
+
+def test_a_lit_sphere_may_be_a_radiance_picture(tmp_path, rng):
+    from meshdepict.color.srgb import linear_to_srgb
+    from meshdepict.shading.painted import sphere_picture
+
+    rgbe = rng.integers(0, 256, (16, 16, 4), dtype=np.uint8)
+    rgbe[..., 3] = rng.integers(125, 132, (16, 16))
+    write_hdr(tmp_path / "clay.hdr", rgbe)
+    path = str(tmp_path / "clay.hdr")
+    shown = sphere_picture(path)
+    np.testing.assert_array_equal(shown, linear_to_srgb(decoded(rgbe)))
+    baked = md.bake(md.samples.sphere(200), "lit_sphere", sphere=path)
+    assert np.isfinite(baked.intensity).all()

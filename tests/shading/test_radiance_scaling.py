@@ -121,7 +121,7 @@ def test_mirrors_show_the_environment_scaled(space, light, material):
 
 
 def test_lit_spheres_one_and_two(space):
-    from meshdepict.color.encoding import linear_to_srgb
+    from meshdepict.color.srgb import linear_to_srgb
 
     plain = shading.radiance_scaling(space, "north", material="lit_sphere", magnitude=0)
     np.testing.assert_allclose(linear_to_srgb(plain), shading.lit_sphere(space, "north"), atol=1e-5)

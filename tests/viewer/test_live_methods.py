@@ -99,7 +99,7 @@ def test_idle_options_change_nothing(space, method):
 @pytest.mark.parametrize("colormap", ["gooch", "stone_r"])
 def test_colour_maps(space, method, colormap):
     """A level of grey may be another entry of the table: two of its steps."""
-    from meshdepict.color.encoding import colormap as table
+    from meshdepict.color.colormaps import colormap as table
 
     step = np.abs(np.diff(table(colormap).astype(int), axis=0)).max()
     found = compare(space, method, colormap=colormap)

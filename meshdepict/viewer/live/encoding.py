@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from meshdepict.color.encoding import colormap as color_table
+from meshdepict.color.colormaps import colormap as color_table
 
 if TYPE_CHECKING:
     from meshdepict.drawing.shader import Uniforms

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from meshdepict.color.encoding import quantise
+from meshdepict.color.srgb import quantise
 from meshdepict.drawing.shader import SURROUNDINGS, set_uniforms
 from meshdepict.drawing.volume_rays import march, volume_actor
 from meshdepict.drawing.volume_scene import (

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TypeVar
 
-from meshdepict.color import encoding
+from meshdepict.color.colormaps import BUILT_IN
 from meshdepict.errors import MeshdepictError
 from meshdepict.viewer.session import Session
 
@@ -23,7 +23,7 @@ def other(items: Sequence[Item], current: Item, step: int) -> Item:
 
 def colormaps(session: Session) -> list[str | None]:
     """Return the colour maps to go round: grey, this package's own, and the one in use."""
-    maps = [None, *(name for name in encoding.BUILT_IN if name != "gray")]
+    maps = [None, *(name for name in BUILT_IN if name != "gray")]
     return maps if session.colormap in maps else [*maps, session.colormap]
 
 
