@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import heapq
 import math
+import re
 from pathlib import Path
 from typing import Any
 
@@ -20,6 +21,9 @@ from meshdepict.scene.upright import upright
 __all__ = ["bilinear", "grid", "median_cut", "read_radiance", "to_picture", "to_world"]
 
 Floats = NDArray[Any]
+
+_HEADER = 1 << 16  # bytes in which a picture says its size
+_PACKED = 64  # pixels that a byte may stand for
 
 
 def grid(height: int, width: int) -> NDArray[np.float64]:
@@ -111,11 +115,21 @@ def read_radiance(path: Path) -> NDArray[np.float32]:
     """
     try:
         with path.open("rb") as file:
-            begin = file.read(10)
+            begin, size = file.read(_HEADER), path.stat().st_size
     except OSError as error:
         raise MeshdepictError(f"{path}: cannot be read ({error.strerror})") from None
     if not begin.startswith((b"#?RADIANCE", b"#?RGBE")):
         raise MeshdepictError(f"{path}: not a Radiance picture (.hdr)")
+    found = re.search(rb"\n\n[-+][XY] +(\d{1,9}) +[-+][XY] +(\d{1,9}) *\n", begin)
+    if found is None:
+        raise MeshdepictError(f"{path}: a Radiance picture that doesn't say its size")
+    # A packed row has two bytes for up to 127 equal ones: VTK believes any claim, and dies of it.
+    rows, columns = (int(number) for number in found.groups())
+    if not 0 < rows * columns <= _PACKED * size:
+        raise MeshdepictError(
+            f"{path}: says that it has {columns:.6g} x {rows:.6g} pixels, which a file of {size:,} "
+            "bytes can't hold"
+        )
 
     from vtkmodules.util.numpy_support import vtk_to_numpy
     from vtkmodules.vtkIOImage import vtkHDRReader

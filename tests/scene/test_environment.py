@@ -196,6 +196,18 @@ def test_a_file_lights_a_bake_and_its_up_is_the_shapes(tmp_path, up):
     assert baked.intensity[height < -0.9].max() < 0.01
 
 
+@pytest.mark.parametrize(
+    ("size", "sentence"),
+    [(b"-Y 99999999 +X 99999999", "can't hold"), (b"-Y 0 +X 8", "can't hold"),
+     (b"-Y many +X 8", "doesn't say its size"), (b"-Y " + b"9" * 5000 + b" +X 8", "say its size")],
+)  # fmt: skip
+def test_a_size_that_the_file_cannot_hold_is_refused(tmp_path, size, sentence):
+    path = tmp_path / "sky.hdr"
+    path.write_bytes(b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n" + size + b"\n" + bytes(128))
+    with pytest.raises(MeshdepictError, match=sentence):
+        Environment.from_file(path)
+
+
 def test_a_lit_sphere_may_be_a_radiance_picture(tmp_path, rng):
     from meshdepict.color.srgb import linear_to_srgb
     from meshdepict.shading.painted import sphere_picture
