@@ -230,4 +230,5 @@ def _mesh(mesh: Mesh, faces: Ints, owner: Ints, corners: Ints, weights: Floats) 
             "face": {n: v[mesh._owner[owner]] for n, v in mesh.attributes["face"].items()},
         },
         winding="keep",
+        length_unit=mesh.length_unit,
     )

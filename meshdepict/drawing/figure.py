@@ -38,7 +38,7 @@ class Figure:
         "white", "paper" (pale, so that burnt-out whites show), "transparent" or "#rrggbb".
     scale_bar : bool
     unit : str
-        What the file's units are, for the scale bar's label.
+        What the file's units are, for the scale bar's label; unless given, as the file says.
     pixels_per_unit : float, optional
         The same scale for every object, which is put in the middle. Unless given, a named view
         shows the whole object, and any other view is taken as it is.

@@ -42,6 +42,8 @@ class Mesh:
         `faces` themselves stay as given. "keep" believes the file.
     document : object, optional
         What the file's reader wants the file's writer to know.
+    length_unit : str
+        What the coordinates are measured in, "m" or "mm" for instance; empty where unknown.
 
     Raises
     ------
@@ -59,6 +61,7 @@ class Mesh:
         attributes: Mapping[str, Mapping[str, Any]] | None = None,
         winding: str = "auto",
         document: object = None,
+        length_unit: str = "",
     ) -> None:
         self.vertices = checked_vertices(vertices)
         polygons = as_polygons(faces)
@@ -79,6 +82,7 @@ class Mesh:
         )
         self.winding = winding
         self.document = document
+        self.length_unit = length_unit
         for array in (self.vertices, self.faces, self._owner, *polygons):
             array.setflags(write=False)
 
@@ -116,8 +120,15 @@ class Mesh:
 
     @classmethod
     def _of(cls, contents: Any, winding: str) -> Mesh:
-        vertices, faces, attributes, document = contents
-        return cls(vertices, faces, attributes=attributes, winding=winding, document=document)
+        vertices, faces, attributes, document, length_unit = contents
+        return cls(
+            vertices,
+            faces,
+            attributes=attributes,
+            winding=winding,
+            document=document,
+            length_unit=length_unit,
+        )
 
     def __repr__(self) -> str:
         """Return counts and size."""
@@ -227,6 +238,7 @@ class Mesh:
             attributes=self.attributes,
             winding="keep",
             document=kept,
+            length_unit=self.length_unit,
         )
 
     # --- what shading needs -----------------------------------------------------------------
