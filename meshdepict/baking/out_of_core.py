@@ -19,6 +19,7 @@ from numpy.typing import ArrayLike, NDArray
 from meshdepict.baking.choices import Choices, takes_choices
 from meshdepict.baking.voxel_shading import BESIDE, VoxelShading, voxel_shading
 from meshdepict.errors import MeshdepictError
+from meshdepict.files.reach import regular
 from meshdepict.shapes.place import Place
 from meshdepict.voxels.grid import Triple
 from meshdepict.voxels.grid_normals import in_voxels
@@ -191,6 +192,7 @@ def _dask_array(source: Any) -> Any:
 
 
 def _opened(path: Path) -> Any:
+    regular(path)
     if path.suffix == ".npy":
         try:
             return np.load(path, mmap_mode="r", allow_pickle=False)

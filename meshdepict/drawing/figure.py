@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from meshdepict.errors import MeshdepictError
-from meshdepict.options import nearest
+from meshdepict.options import nearest, real
 
 __all__ = ["Figure", "check_pixels"]
 
@@ -127,7 +127,7 @@ def check_pixels(size: tuple[int, int], why: str = "") -> None:
 
 
 def _ground(background: str) -> tuple[int, int, int] | None:
-    if background in _GROUNDS:
+    if isinstance(background, str) and background in _GROUNDS:
         return _GROUNDS[background]
     if isinstance(background, str) and re.fullmatch(r"#[0-9a-fA-F]{6}", background):
         red, green, blue = bytes.fromhex(background[1:])
@@ -139,4 +139,4 @@ def _ground(background: str) -> tuple[int, int, int] | None:
 
 
 def _is_number(value: Any) -> bool:
-    return isinstance(value, (int, float, np.number)) and math.isfinite(value)
+    return real(value) is not None

@@ -31,9 +31,13 @@ def regular(path: str | os.PathLike[str]) -> None:
     Raises
     ------
     MeshdepictError
-        For a named pipe, a device and a socket: one sentence that begins with the path.
+        For a named pipe, a device and a socket: one sentence that begins with the path. Also for
+        a name that no file can have.
     """
-    kind = _special(path)
+    try:
+        kind = _special(path)
+    except ValueError:  # a NUL character, half a surrogate
+        raise MeshdepictError(f"{os.fspath(path)!r} is a name that no file can have") from None
     if kind:
         raise MeshdepictError(
             f"{path} is {kind}, not a file: save what comes from it as a file, and give that"
@@ -94,5 +98,5 @@ def _special(path: str | os.PathLike[str]) -> str | None:
     """Return what a path is if it is neither file nor folder, None where it is one or nothing."""
     try:
         return _KINDS.get(stat.S_IFMT(os.stat(path).st_mode))
-    except (OSError, ValueError):
+    except OSError:
         return None

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from meshdepict.errors import MeshdepictError, MeshdepictWarning
+from meshdepict.files.reach import regular
 
 if TYPE_CHECKING:
     from meshdepict.scene.view import View
@@ -55,6 +56,7 @@ def read_image(path: str | Path) -> NDArray[Any]:
     from PIL import Image
 
     path = Path(path)
+    regular(path)
     if not path.is_file():
         raise MeshdepictError(f"{path}: no such file")
     try:
@@ -108,7 +110,7 @@ def surface_images(
     normals: Any, depth: Any, mask: Any, occlusion: Any, *, green: str = "up"
 ) -> SurfaceImages:
     """Return arrays or files decoded; see `GBuffer.from_images`, also for what is raised."""
-    if green not in ("up", "down"):
+    if not isinstance(green, str) or green not in ("up", "down"):
         raise MeshdepictError(f"green={green!r} is neither 'up' nor 'down'")
     array = _array(normals, "normals")
     if array.ndim != 3 or array.shape[2] not in (3, 4) or array.size == 0:
@@ -225,7 +227,12 @@ def _neighbours(axis: int) -> tuple[Any, Any]:
 
 
 def _array(given: Any, what: str) -> NDArray[Any]:
-    array = read_image(given) if isinstance(given, (str, Path)) else np.asarray(given)
+    try:
+        array = read_image(given) if isinstance(given, (str, Path)) else np.asarray(given)
+    except MeshdepictError:
+        raise
+    except (TypeError, ValueError, OverflowError):
+        raise MeshdepictError(f"{what}: rows of different lengths make no image") from None
     if array.dtype.kind not in "buif":
         raise MeshdepictError(f"{what}: real numbers are needed, not {array.dtype}")
     return array

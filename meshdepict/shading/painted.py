@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from meshdepict.color.srgb import linear_to_srgb
 from meshdepict.errors import MeshdepictError
+from meshdepict.files.reach import regular
 from meshdepict.options import nearest
 from meshdepict.scene.equirectangular import read_radiance
 
@@ -79,6 +80,7 @@ def sphere_picture(sphere: str | Path) -> NDArray[np.float32]:
 def _read(sphere: str | Path) -> Floats:
     from PIL import Image, UnidentifiedImageError
 
+    regular(sphere)
     try:
         with Image.open(sphere) as image:
             rgba: Floats = np.asarray(image.convert("RGBA"), np.float32) / 255

@@ -71,14 +71,16 @@ class Mesh:
                 "surface; reconstruct one from the points first"
             )
         check_indices(polygons, len(self.vertices))
-        if winding not in ("auto", "keep"):
+        if not isinstance(winding, str) or winding not in ("auto", "keep"):
             raise MeshdepictError(f"winding={winding!r} is neither 'auto' nor 'keep'")
         self.faces, self._owner = triangulate(self.vertices, polygons)
         if len(self.faces) == 0:
             raise MeshdepictError("the mesh has no faces with three corners or more")
         self.polygons = None if (np.diff(polygons.offsets) == 3).all() else polygons
         self.attributes = checked_attributes(
-            attributes or {}, vertex=len(self.vertices), face=len(polygons.offsets) - 1
+            {} if attributes is None else attributes,
+            vertex=len(self.vertices),
+            face=len(polygons.offsets) - 1,
         )
         self.winding = winding
         self.document = document

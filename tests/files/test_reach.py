@@ -26,8 +26,14 @@ def home(tmp_path: Path) -> Path:
 
 
 def test_files_folders_and_what_is_not_there_pass(home):
-    for path in (home / "a.bin", home, home / "missing", "x" * 5000, "a\0b"):
+    for path in (home / "a.bin", home, home / "missing", "x" * 5000):
         regular(path)
+
+
+@pytest.mark.parametrize("name", ["a\0b", "\ud800"])
+def test_a_name_that_no_file_can_have(name):
+    with pytest.raises(MeshdepictError, match="is a name that no file can have"):
+        regular(name)
 
 
 @posix
