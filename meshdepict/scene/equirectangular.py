@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import heapq
 import math
+import re
 from pathlib import Path
 from typing import Any
 
@@ -15,12 +16,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshdepict.errors import MeshdepictError
+from meshdepict.files.limits import check_claim
 from meshdepict.files.reach import regular
 from meshdepict.scene.upright import upright
 
 __all__ = ["bilinear", "grid", "median_cut", "read_radiance", "to_picture", "to_world"]
 
 Floats = NDArray[Any]
+
+_SIZE = re.compile(rb"^[-+][XY] +([0-9]{1,10}) +[-+][XY] +([0-9]{1,10})", re.MULTILINE)
 
 
 def grid(height: int, width: int) -> NDArray[np.float64]:
@@ -113,11 +117,17 @@ def read_radiance(path: Path) -> NDArray[np.float32]:
     regular(path)
     try:
         with path.open("rb") as file:
-            begin = file.read(10)
+            begin = file.read(1 << 16)
     except OSError as error:
         raise MeshdepictError(f"{path}: cannot be read ({error.strerror})") from None
     if not begin.startswith((b"#?RADIANCE", b"#?RGBE")):
         raise MeshdepictError(f"{path}: not a Radiance picture (.hdr)")
+    size = _SIZE.search(begin)
+    if size:  # VTK would believe any number
+        try:
+            check_claim(24 * int(size[1]) * int(size[2]), path.stat().st_size, "pixels")
+        except MeshdepictError as error:
+            raise MeshdepictError(f"{path} {error}") from None
 
     from vtkmodules.util.numpy_support import vtk_to_numpy
     from vtkmodules.vtkIOImage import vtkHDRReader

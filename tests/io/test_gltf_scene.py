@@ -9,7 +9,7 @@ import pytest
 from conftest import rotation
 from gltf_builder import FACES, POINTS, Builder, colors_of
 
-from meshdepict.color.encoding import linear_to_srgb
+from meshdepict.color.srgb import linear_to_srgb
 from meshdepict.errors import MeshdepictError, MeshdepictWarning
 from meshdepict.io import read_mesh, write_mesh
 from meshdepict.shapes.mesh import Mesh
