@@ -14,6 +14,7 @@ import difflib
 import functools
 import inspect
 import math
+import numbers
 import types
 import typing
 from collections.abc import Callable, Iterable, Mapping
@@ -22,7 +23,17 @@ from typing import Any
 
 from meshdepict.errors import MeshdepictError
 
-__all__ = ["Choice", "Option", "Range", "as_text", "check", "nearest", "options_of", "parse"]
+__all__ = [
+    "Choice",
+    "Option",
+    "Range",
+    "as_text",
+    "check",
+    "nearest",
+    "options_of",
+    "parse",
+    "real",
+]
 
 
 @dataclass(frozen=True)
@@ -139,6 +150,19 @@ def check(function: Callable[..., Any], given: Mapping[str, Any], where: str) ->
     return checked
 
 
+def real(value: Any) -> float | None:
+    """Return a finite real number as a float, None for all else: a text, True, NaN, an array."""
+    if getattr(value, "shape", None) == () and not hasattr(value, "mask"):  # of NumPy
+        value = value.item()
+    if isinstance(value, bool) or not isinstance(value, numbers.Real):
+        return None
+    try:
+        number = float(value)
+    except OverflowError:
+        return None
+    return number if math.isfinite(number) else None
+
+
 def parse(option: Option, text: str, where: str) -> Any:
     """Return the value that a text such as ``"40"`` or ``"0.1,0.2"`` stands for."""
     return _checked(option, text, where)
@@ -183,13 +207,11 @@ def _number(option: Option, value: Any, where: str) -> Any:
     accepts, name = option.accepts, option.name
     assert isinstance(accepts, Range)
     wanted = f"{where}: {name}={value!r} is not a number in its range ({accepts})"
-    if isinstance(value, bool):
-        raise MeshdepictError(wanted)
     try:
-        number = float(value)
-    except (TypeError, ValueError, OverflowError):
-        raise MeshdepictError(wanted) from None
-    if not (math.isfinite(number) and accepts.low <= number <= accepts.high):
+        number = real(float(value) if isinstance(value, str) else value)
+    except ValueError:
+        number = None
+    if number is None or not accepts.low <= number <= accepts.high:
         raise MeshdepictError(wanted)
     if option.kind is int:
         if number != int(number):

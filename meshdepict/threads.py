@@ -14,6 +14,7 @@ from itertools import pairwise
 from typing import Any
 
 from meshdepict.errors import MeshdepictError
+from meshdepict.options import real
 
 __all__ = ["each", "limit", "spans", "thread_count"]
 
@@ -23,7 +24,8 @@ _limit: int | None = None
 def limit(count: int | None) -> None:
     """Use at most ``count`` threads from now on, in kernels and in finufft; None: all cores."""
     global _limit
-    if count is not None and (isinstance(count, bool) or count < 1 or count != int(count)):
+    number = real(count)
+    if count is not None and (number is None or number < 1 or not number.is_integer()):
         raise MeshdepictError(f"threads={count} makes no sense: at least one is needed")
     _limit = count
 

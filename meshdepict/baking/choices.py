@@ -11,6 +11,7 @@ import functools
 import inspect
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from numbers import Real
 from typing import TYPE_CHECKING, Any, Literal, Self
 
 from meshdepict import color
@@ -19,6 +20,7 @@ from meshdepict.errors import MeshdepictError
 from meshdepict.options import check, options_of
 from meshdepict.scales.ladder import FACING, TOLERANCE
 from meshdepict.scene.names import as_view
+from meshdepict.scene.upright import upright
 from meshdepict.scene.view import View
 
 if TYPE_CHECKING:
@@ -157,7 +159,9 @@ class Choices:
                 )
         if self.colormap2d is not None:
             colormaps2d.colormap2d(self.colormap2d)
-        if self.albedo not in ("none", "keep"):
+        if self.up is not None:
+            upright(self.up)  # refuses what can't be up
+        if not isinstance(self.albedo, str) or self.albedo not in ("none", "keep"):
             raise MeshdepictError(f"albedo={self.albedo!r} is neither 'keep' nor 'none'")
         if not isinstance(self.two_sided, bool):
             raise MeshdepictError(f"two_sided={self.two_sided!r} is neither True nor False")
@@ -245,9 +249,10 @@ class Choices:
         """
         for name, each in choice_fields().items():
             only = each.metadata["only"]
-            if only and (only == VOLUME) != (kind == VOLUME) and (
-                getattr(self, name) != each.default
-            ):  # fmt: skip
+            given = getattr(self, name)
+            plain = isinstance(given, (str, Real))  # an array compares by element
+            usual = given is each.default or (plain and given == each.default)
+            if only and (only == VOLUME) != (kind == VOLUME) and not usual:
                 raise MeshdepictError(
                     f"{name} is about a {only}, and this is a {kind}: leave it out"
                 )

@@ -19,6 +19,8 @@ from numpy.typing import ArrayLike, NDArray
 from meshdepict.baking.choices import Choices, takes_choices
 from meshdepict.baking.voxel_shading import BESIDE, VoxelShading, voxel_shading
 from meshdepict.errors import MeshdepictError
+from meshdepict.files.pictures import mapped_array
+from meshdepict.files.reach import regular
 from meshdepict.shapes.place import Place
 from meshdepict.voxels.grid import Triple
 from meshdepict.voxels.grid_normals import in_voxels
@@ -191,9 +193,10 @@ def _dask_array(source: Any) -> Any:
 
 
 def _opened(path: Path) -> Any:
+    regular(path)
     if path.suffix == ".npy":
         try:
-            return np.load(path, mmap_mode="r", allow_pickle=False)
+            return mapped_array(path)
         except (OSError, ValueError) as error:
             raise MeshdepictError(f"{path} can't be read: {error}") from None
     if path.suffix != ".zarr":

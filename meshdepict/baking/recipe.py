@@ -11,11 +11,13 @@ from pathlib import Path
 from typing import Any
 
 from meshdepict.baking.choices import Choices, choice_fields
+from meshdepict.baking.recipe_files import located, named_from
 from meshdepict.color.transfer import PRESETS
 from meshdepict.color.transfer_function import TransferFunction
 from meshdepict.errors import MeshdepictError
 from meshdepict.files.atomic import atomic_write
 from meshdepict.files.mark import VERSION
+from meshdepict.files.reach import regular
 from meshdepict.options import check, nearest, options_of
 from meshdepict.scene.light import Light
 from meshdepict.scene.view import VIEWS, View
@@ -31,16 +33,22 @@ _MARK = "# meshdepict recipe"
 def load_recipe(path: str | os.PathLike[str]) -> dict[str, Any]:
     """Read a recipe as keyword arguments of `bake`: ``bake(mesh, **load_recipe("look.toml"))``.
 
+    Files that it names are looked for in its own folder, and below.
+
     Raises
     ------
     MeshdepictError
-        Where the file can't be read, is no TOML or holds what `bake` doesn't know.
+        Where the file can't be read, is no TOML, holds what `bake` doesn't know, or names a file
+        that lies elsewhere.
     """
+    regular(path)
     try:
         read = tomllib.loads(Path(path).read_text(encoding="utf-8"))
     except OSError as error:
         raise MeshdepictError(f"{path} can't be read: {error.strerror}") from None
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+    except RecursionError:
+        raise MeshdepictError(f"{path} is no recipe: it nests too deep") from None
+    except ValueError as error:  # TOML's, those of letters, and of numbers of 5,000 digits
         raise MeshdepictError(f"{path} is no recipe in TOML: {error}") from None
     options = read.pop("options", {})
     for name in read:
@@ -52,12 +60,13 @@ def load_recipe(path: str | os.PathLike[str]) -> dict[str, Any]:
     if not isinstance(options, Mapping):
         raise MeshdepictError(f"{path}: options must be a table, [options]")
     method = read.setdefault("method", choice_fields()["method"].default)
-    options = check(find_method(method), options, f"{path}: {method}")
+    function = find_method(method)
+    options = check(function, options, f"{path}: {method}")
     if isinstance(read.get("view"), Mapping):
         read["view"] = _view(path, read["view"])
     if isinstance(read.get("light"), list):
         read["light"] = tuple(read["light"])
-    return {**read, **options}
+    return located({**read, **options}, function, path)
 
 
 def merge_recipe(recipe: Mapping[str, Any], given: Mapping[str, Any]) -> dict[str, Any]:
@@ -89,8 +98,8 @@ def save_recipe(
     Raises
     ------
     MeshdepictError
-        For settings that no file can hold, such as a material, and where the file may not be
-        replaced or written.
+        For settings that no file can hold, such as a material, or a file that lies elsewhere than
+        in the recipe's folder or below, and where the file may not be replaced or written.
     """
     path = Path(path)
     look = look if isinstance(look, Choices) else Choices(**look)
@@ -110,6 +119,8 @@ def save_recipe(
         fields["transfer"] = look.transfer.name
     options = {name: option.default for name, option in options_of(look.function).items()}
     options |= look.options
+    options = named_from(options, look.function, path)
+    fields = named_from(fields, look.function, path)
     lines = [f"{_MARK}, written by version {VERSION}", *_lines(fields)]
     text = "\n".join([*lines, "", "[options]", *_lines(options), ""])
     if not force and exists(path) and not _is_recipe(path):
@@ -122,9 +133,10 @@ def save_recipe(
 
 def _is_recipe(path: Path) -> bool:
     try:
+        regular(path)
         with path.open("rb") as stream:
             return stream.read(len(_MARK)) == _MARK.encode()
-    except OSError:
+    except (OSError, MeshdepictError):
         return False
 
 

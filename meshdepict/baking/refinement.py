@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from meshdepict.color.srgb import linear_to_srgb
 from meshdepict.errors import MeshdepictError
+from meshdepict.options import real
 from meshdepict.scales.interpolated_scales import InterpolatedSpace
 from meshdepict.scales.space import ScaleSpace
 from meshdepict.shapes.mesh import Mesh
@@ -94,7 +95,7 @@ def refine(
     MeshdepictError
         For a number of levels that is none.
     """
-    if isinstance(levels, bool) or not 0 < levels <= 255:
+    if not 0 < (real(levels) or 0) <= 255:
         raise MeshdepictError(
             f"refine={levels!r} is not a number of grey levels above 0 and up to 255"
         )
@@ -230,4 +231,5 @@ def _mesh(mesh: Mesh, faces: Ints, owner: Ints, corners: Ints, weights: Floats) 
             "face": {n: v[mesh._owner[owner]] for n, v in mesh.attributes["face"].items()},
         },
         winding="keep",
+        length_unit=mesh.length_unit,
     )

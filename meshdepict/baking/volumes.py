@@ -16,6 +16,7 @@ from meshdepict.baking.provenance import comment_lines
 from meshdepict.baking.surfaces import refuse_other_scales
 from meshdepict.baking.voxel_shading import VoxelShading, voxel_shading
 from meshdepict.errors import MeshdepictError
+from meshdepict.options import real
 from meshdepict.scales.grid_scales import MEMORY, GridSpace, sample_bytes, space_of_mask
 from meshdepict.scales.ladder import Progress
 from meshdepict.voxels.grid_samples import shaded_voxels
@@ -129,6 +130,8 @@ def bake_grid(
     memory, progress
         As for `bake_volume`.
     """
+    if not (real(memory) or 0) > 0:
+        raise MeshdepictError(f"memory={memory!r} is not a number of bytes above 0")
     space = volume if isinstance(volume, GridSpace) else None
     chosen, look = look, look.of_kind("volume")
     if space is not None:

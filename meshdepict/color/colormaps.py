@@ -60,9 +60,15 @@ def colormap(name: str) -> Bytes:
     return table_of(name)
 
 
-@cache
 def table_of(name: str) -> Bytes:
     """Return the 256 display colours of a map that `colormap` knows."""
+    if not isinstance(name, str):
+        raise MeshdepictError(f"a colour map is given by its name, not as {name!r}")
+    return _table(name)
+
+
+@cache
+def _table(name: str) -> Bytes:
     forward = name.removesuffix("_r")
     if forward in BUILT_IN:
         table = _between(np.array(BUILT_IN[forward]) / 255)

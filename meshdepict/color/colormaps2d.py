@@ -59,7 +59,7 @@ def mix(first: ArrayLike, second: ArrayLike, name: str) -> NDArray[np.float32]:
     MeshdepictError
         For an unknown name.
     """
-    if name not in _CORNERS:
+    if not isinstance(name, str) or name not in _CORNERS:
         raise MeshdepictError(
             f"no 2D colour map {name!r}{nearest(name, NAMES)} (there are {', '.join(NAMES)})"
         )

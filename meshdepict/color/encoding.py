@@ -120,7 +120,12 @@ def _linear_albedo(albedo: NDArray[Any]) -> Floats:
 
 
 def _shading(values: ArrayLike) -> Floats:
-    values = np.asarray(values)
-    if values.ndim not in (1, 2) or (values.ndim == 2 and values.shape[1] != 3):
-        raise MeshdepictError(f"shading must have shape (n,) or (n, 3), not {values.shape}")
-    return values
+    try:
+        array = np.asarray(values)
+    except (TypeError, ValueError):
+        array = np.empty(0, object)
+    if array.dtype.kind not in "biuf":
+        raise MeshdepictError("shading must be numbers of shape (n,) or (n, 3)")
+    if array.ndim not in (1, 2) or (array.ndim == 2 and array.shape[1] != 3):
+        raise MeshdepictError(f"shading must have shape (n,) or (n, 3), not {array.shape}")
+    return array

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import math
-
 from meshdepict.errors import MeshdepictError
+from meshdepict.options import real
 
 __all__ = ["AIR", "check_rescale"]
 
@@ -20,7 +19,7 @@ def check_rescale(slope: float, intercept: float) -> None:
     MeshdepictError
         For a slope that is not positive and an intercept that is not finite.
     """
-    if not (0 < slope < math.inf and math.isfinite(intercept)):
+    if not (real(slope) or 0) > 0 or real(intercept) is None:
         raise MeshdepictError(
             f"slope={slope!r}, intercept={intercept!r}: Hounsfield units take a positive slope "
             "and a finite intercept"

@@ -54,7 +54,7 @@ def preset(name: str) -> TransferFunction:
     MeshdepictError
         For an unknown name.
     """
-    if name not in PRESETS:
+    if not isinstance(name, str) or name not in PRESETS:
         raise MeshdepictError(
             f"no transfer function is called {name!r}{nearest(name, PRESETS)} (there are "
             f"{', '.join(PRESETS)}, and files that end in .toml)"
@@ -96,8 +96,15 @@ def for_volume(
         For an unknown name, a function of raw numbers with a volume in Hounsfield units, and a
         slope or intercept with either.
     """
+    if not isinstance(transfer, (TransferFunction, str, os.PathLike)):
+        raise MeshdepictError(
+            f"transfer={transfer!r} is no transfer function: give a preset's name, a .toml file, "
+            "or a TransferFunction"
+        )
+    if not hasattr(volume, "hounsfield"):
+        raise MeshdepictError(f"a {type(volume).__name__} is no Volume")
     if not isinstance(transfer, TransferFunction):
-        name = os.fspath(transfer)
+        name = os.fsdecode(transfer)
         is_file = name.lower().endswith(".toml")
         transfer = TransferFunction.from_toml(name) if is_file else preset(name)
     given = slope is not None or intercept is not None

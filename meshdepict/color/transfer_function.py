@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import os
 import re
 import tomllib
@@ -16,7 +15,8 @@ from numpy.typing import ArrayLike, NDArray
 from meshdepict.color.hounsfield import AIR, check_rescale
 from meshdepict.errors import MeshdepictError
 from meshdepict.files.atomic import atomic_write
-from meshdepict.options import nearest
+from meshdepict.files.reach import regular
+from meshdepict.options import nearest, real
 from meshdepict.scene.vectors import frozen
 
 __all__ = ["TransferFunction"]
@@ -61,9 +61,10 @@ class TransferFunction:
         material: float = _SOFT_TISSUE,
     ) -> None:
         where = f"the transfer function {name!r}"
-        if unit not in ("HU", "raw"):
+        if not isinstance(unit, str) or unit not in ("HU", "raw"):
             raise MeshdepictError(f"{where}: unit={unit!r} is neither 'HU' nor 'raw'")
-        if not isinstance(material, (int, float)) or not AIR < material < math.inf:
+        number = real(material)
+        if number is None or not number > AIR:
             raise MeshdepictError(f"{where}: material={material!r} is not a number above air's")
         rows = _rows(points, 5, f"{where}: points are (value, opacity, (r, g, b))")
         if rows[:, 1:].min() < 0 or rows[:, 1:].max() > 1:
@@ -79,7 +80,7 @@ class TransferFunction:
                     f"{where}: a gradient's magnitude is negative or its factor not in 0 … 1"
                 )
             self.gradient_opacity = frozen(rows)
-        self.name, self.unit, self.material = name, unit, float(material)
+        self.name, self.unit, self.material = str(name), unit, number
 
     def __repr__(self) -> str:
         """Return name, number of points and range of values."""
@@ -173,12 +174,17 @@ class TransferFunction:
         MeshdepictError
             Where the file can't be read, is no TOML or holds something else.
         """
+        if not isinstance(path, (str, os.PathLike)):
+            raise MeshdepictError(f"a transfer function's file is given by its path, not {path!r}")
         path = Path(path)
+        regular(path)
         try:
             table = tomllib.loads(path.read_text(encoding="utf-8"))
         except OSError as error:
             raise MeshdepictError(f"{path} can't be read: {error.strerror}") from None
-        except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        except RecursionError:
+            raise MeshdepictError(f"{path} is no transfer function: it nests too deep") from None
+        except ValueError as error:  # TOML's, those of letters, and of numbers of 5,000 digits
             raise MeshdepictError(f"{path} is no transfer function in TOML: {error}") from None
         try:
             return cls.of_table(table, path.stem)
@@ -194,6 +200,8 @@ class TransferFunction:
         MeshdepictError
             For an unknown key, or points in another form.
         """
+        if not isinstance(table, Mapping):
+            raise MeshdepictError("a transfer function is a table of points")
         for key in table:
             if key not in _KEYS:
                 raise MeshdepictError(
@@ -241,7 +249,7 @@ def _rows(given: Iterable[Any], width: int, wanted: str) -> NDArray[np.float64]:
     """Return points as rows of numbers with rising first ones."""
     try:
         rows = np.array([_flat(row) for row in given], np.float64)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         rows = np.empty(0)
     if rows.ndim != 2 or rows.shape[1] != width or len(rows) < 2 or not np.isfinite(rows).all():
         raise MeshdepictError(f"{wanted}, finite numbers, at least two points")

@@ -126,7 +126,11 @@ class FigureWords:
     ] = False
     unit: Annotated[
         str | None,
-        Parameter(group=FIGURE, help="Of the file's coordinates, for the scale bar: mm, m, µm."),
+        Parameter(
+            group=FIGURE,
+            help="Of the file's coordinates, for the scale bar: mm, m, µm; unless given, as the "
+            "file says.",
+        ),
     ] = None
     pixels_per_unit: Annotated[
         float | None,

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from meshdepict.errors import MeshdepictError
-from meshdepict.options import nearest
+from meshdepict.options import nearest, real
 
 __all__ = ["Figure", "check_pixels"]
 
@@ -38,7 +38,7 @@ class Figure:
         "white", "paper" (pale, so that burnt-out whites show), "transparent" or "#rrggbb".
     scale_bar : bool
     unit : str
-        What the file's units are, for the scale bar's label.
+        What the file's units are, for the scale bar's label; unless given, as the file says.
     pixels_per_unit : float, optional
         The same scale for every object, which is put in the middle. Unless given, a named view
         shows the whole object, and any other view is taken as it is.
@@ -127,7 +127,7 @@ def check_pixels(size: tuple[int, int], why: str = "") -> None:
 
 
 def _ground(background: str) -> tuple[int, int, int] | None:
-    if background in _GROUNDS:
+    if isinstance(background, str) and background in _GROUNDS:
         return _GROUNDS[background]
     if isinstance(background, str) and re.fullmatch(r"#[0-9a-fA-F]{6}", background):
         red, green, blue = bytes.fromhex(background[1:])
@@ -139,4 +139,4 @@ def _ground(background: str) -> tuple[int, int, int] | None:
 
 
 def _is_number(value: Any) -> bool:
-    return isinstance(value, (int, float, np.number)) and math.isfinite(value)
+    return real(value) is not None

@@ -33,12 +33,15 @@ class Framing:
         Pixels at the bottom that are kept free for the scale bar.
     pixels_per_unit : float or None
         None in perspective, where there is no scale.
+    unit : str
+        What a scale bar is labelled in: as the figure says, else as the shape's file; or empty.
     """
 
     view: View
     size: tuple[int, int]
     strip: int = 0
     pixels_per_unit: float | None = None
+    unit: str = ""
 
     @property
     def drawn(self) -> tuple[int, int]:
@@ -68,9 +71,10 @@ def frame(view: View, shape: Any, figure: Figure, *, turning: bool = False) -> F
         Where the object doesn't fit at its scale, and for a scale in perspective.
     """
     check_scale(view, figure)
+    unit = figure.unit or getattr(shape, "length_unit", "")
     if figure.pixels_per_unit is None and not _is_fitted(view, shape):
         size, scale = figure.pixels or _USUAL, view.parallel_scale
-        return Framing(view, size, 0, None if scale is None else size[1] / (2 * scale))
+        return Framing(view, size, 0, None if scale is None else size[1] / (2 * scale), unit)
     low, high = (_swept if turning else _seen)(view, shape)
     extent = (high - low)[:2]
     per_unit = figure.pixels_per_unit
@@ -84,9 +88,8 @@ def frame(view: View, shape: Any, figure: Figure, *, turning: bool = False) -> F
         size = figure.pixels or _grown(extent, figure)
         strip = _strip(figure, size)
         _check_room(extent, per_unit, (size[0], size[1] - strip))
-    return Framing(
-        _centred(view, shape, (low + high) / 2, size[1] - strip, per_unit), size, strip, per_unit
-    )
+    centred = _centred(view, shape, (low + high) / 2, size[1] - strip, per_unit)
+    return Framing(centred, size, strip, per_unit, unit)
 
 
 def check_scale(view: Any, figure: Figure) -> None:

@@ -63,7 +63,7 @@ def draw_scale_bar(image: Any, framing: Framing, figure: Figure) -> None:
 
     assert framing.pixels_per_unit is not None  # `frame` sees to that
     width, height = framing.size
-    bar = scale_bar(width / framing.pixels_per_unit, figure.unit)
+    bar = scale_bar(width / framing.pixels_per_unit, framing.unit)
     ground = figure.ground
     dark = ground is not None and _luma(ground) < _DARK
     ink, fill = ("white", "black") if dark else ("black", "white")

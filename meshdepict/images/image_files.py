@@ -11,6 +11,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from meshdepict.errors import MeshdepictError, MeshdepictWarning
+from meshdepict.files.pictures import mapped_array, opened_picture
+from meshdepict.files.reach import regular
 
 if TYPE_CHECKING:
     from meshdepict.scene.view import View
@@ -52,16 +54,15 @@ def read_image(path: str | Path) -> NDArray[Any]:
     MeshdepictError
         For a file that is missing, damaged or of another kind.
     """
-    from PIL import Image
-
     path = Path(path)
+    regular(path)
     if not path.is_file():
         raise MeshdepictError(f"{path}: no such file")
     try:
         if path.suffix.lower() == ".npy":
-            return np.load(path, allow_pickle=False)
+            return np.array(mapped_array(path))
         return _pixels(path)
-    except (OSError, SyntaxError, ValueError, EOFError, Image.DecompressionBombError) as error:
+    except (OSError, ValueError) as error:
         raise MeshdepictError(
             f"{path}: not an image that can be read ({error}); PNG, TIFF in one channel or 8 bits, "
             "or an array saved as .npy can"
@@ -69,14 +70,12 @@ def read_image(path: str | Path) -> NDArray[Any]:
 
 
 def _pixels(path: Path) -> NDArray[Any]:
-    from PIL import Image
-
     with path.open("rb") as stream:
         head = stream.read(26)
     # Pillow cuts 16-bit colours to 8 bits without a word.
     if head.startswith(b"\x89PNG") and len(head) == 26 and head[24] == 16 and head[25] in (2, 6):
         return _deep_png(path)
-    with Image.open(path) as image:
+    with opened_picture(path) as image:
         mode = image.mode
         if mode == "1":
             return np.asarray(image.convert("L"))
@@ -90,11 +89,10 @@ def _pixels(path: Path) -> NDArray[Any]:
 
 def _deep_png(path: Path) -> NDArray[Any]:
     """Return the 16-bit colours of a PNG, (h, w, 3 or 4), whose beginning has been looked at."""
-    from PIL import Image
     from vtkmodules.util.numpy_support import vtk_to_numpy
     from vtkmodules.vtkIOImage import vtkPNGReader
 
-    with Image.open(path) as image:
+    with opened_picture(path) as image:
         image.load()  # complains where VTK would only print
         width, height = image.size
     reader = vtkPNGReader()
@@ -108,7 +106,7 @@ def surface_images(
     normals: Any, depth: Any, mask: Any, occlusion: Any, *, green: str = "up"
 ) -> SurfaceImages:
     """Return arrays or files decoded; see `GBuffer.from_images`, also for what is raised."""
-    if green not in ("up", "down"):
+    if not isinstance(green, str) or green not in ("up", "down"):
         raise MeshdepictError(f"green={green!r} is neither 'up' nor 'down'")
     array = _array(normals, "normals")
     if array.ndim != 3 or array.shape[2] not in (3, 4) or array.size == 0:
@@ -225,7 +223,12 @@ def _neighbours(axis: int) -> tuple[Any, Any]:
 
 
 def _array(given: Any, what: str) -> NDArray[Any]:
-    array = read_image(given) if isinstance(given, (str, Path)) else np.asarray(given)
+    try:
+        array = read_image(given) if isinstance(given, (str, Path)) else np.asarray(given)
+    except MeshdepictError:
+        raise
+    except (TypeError, ValueError, OverflowError):
+        raise MeshdepictError(f"{what}: rows of different lengths make no image") from None
     if array.dtype.kind not in "buif":
         raise MeshdepictError(f"{what}: real numbers are needed, not {array.dtype}")
     return array

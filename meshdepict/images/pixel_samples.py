@@ -36,7 +36,12 @@ class PixelSamples:
     """
 
     def __init__(self, view: View, mask: ArrayLike, depths: ArrayLike) -> None:
-        self.mask = frozen(np.array(mask, bool))
+        if not hasattr(view, "parallel_scale"):
+            raise MeshdepictError(f"view={view!r} is no View")
+        try:
+            self.mask = frozen(np.array(mask, bool))
+        except (TypeError, ValueError):
+            raise MeshdepictError("a mask has rows and columns of the same length") from None
         if self.mask.ndim != 2:
             raise MeshdepictError(f"a mask has rows and columns, not the shape {self.mask.shape}")
         self.size = check_size((self.mask.shape[1], self.mask.shape[0]))
@@ -151,7 +156,10 @@ def check_size(size: Any) -> tuple[int, int]:
 
 def finite(values: ArrayLike, shape: tuple[int, ...], what: str) -> Floats:
     """Return a read-only copy of numbers, one or several per pixel, or raise `MeshdepictError`."""
-    array = np.array(values, np.float64)
+    try:
+        array = np.array(values, np.float64)
+    except (TypeError, ValueError, OverflowError):
+        raise MeshdepictError(f"{what} must be real numbers, one or several per pixel") from None
     if array.shape != shape:
         raise MeshdepictError(
             f"{what} have the shape {array.shape}; the mask has {shape[0]} pixels"

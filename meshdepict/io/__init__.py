@@ -81,6 +81,7 @@ def read_mesh(path: str | os.PathLike[str], *, winding: str = "auto") -> Mesh:
             attributes=contents.attributes,
             winding=winding,
             document=contents.document,
+            length_unit=contents.length_unit,
         )
     except MeshdepictError as error:
         raise MeshdepictError(f"{path}: {error}") from error

@@ -13,9 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshdepict.errors import MeshdepictError, MeshdepictWarning
-from meshdepict.io.gltf_scene import COMPONENTS, Part, Scene
+from meshdepict.io.gltf_buffers import COMPONENTS
+from meshdepict.io.gltf_scene import Part, Scene
 from meshdepict.io.ply_properties import exact_float
-from meshdepict.shapes.document import COLOR, Contents, Document, Saving, only_colors
+from meshdepict.shapes.document import COLOR, Contents, Document, Saving, as_bytes, only_colors
 
 if TYPE_CHECKING:
     from meshdepict.shapes.mesh import Mesh
@@ -25,6 +26,7 @@ __all__ = ["decode", "encode", "provenance"]
 _JSON, _BIN = b"JSON", b"BIN\0"
 _COMPONENT_TYPES = {kind: number for number, kind in COMPONENTS.items()}
 _ARRAY_BUFFER, _ELEMENT_BUFFER = 34962, 34963
+_ABSURD = 100  # times the bytes that are there: no download stops so early
 _UNLIT = "KHR_materials_unlit"
 
 
@@ -38,8 +40,8 @@ def provenance(file: BinaryIO) -> tuple[str, ...]:
 
 def _lines(header: dict[str, Any]) -> tuple[str, ...]:
     extras = header.get("asset", {}).get("extras")
-    lines = extras.get("meshdepict", ()) if isinstance(extras, dict) else ()
-    return tuple(map(str, lines))
+    lines = extras.get("meshdepict") if isinstance(extras, dict) else None
+    return tuple(map(str, lines)) if isinstance(lines, list) else ()
 
 
 # --- reading ----------------------------------------------------------------------------------
@@ -48,21 +50,28 @@ def _lines(header: dict[str, Any]) -> tuple[str, ...]:
 def decode(data: bytes, path: Path) -> Contents:
     """Read all triangles of a scene, moved to where its nodes put them.
 
-    Colours are the vertices' times their material's, as sRGB.
+    Colours are the vertices' times their material's, as sRGB; what is transparent has an alpha,
+    too. The standard's unit is the metre.
 
     Raises
     ------
     MeshdepictError
-        For a file that is cut off, wrong, or compressed by an extension.
+        For a file that is cut off, wrong, or in need of an extension that isn't known.
     """
     header, chunk = _unpacked(data)
     try:
-        scene = Scene(header, chunk, path.parent)
-        parts, lost = scene.parts(), scene.losses()
+        with np.errstate(all="ignore"):  # what overflows is refused, here or by the mesh
+            scene = Scene(header, chunk, path.parent, len(data))
+            parts, lost = scene.parts(), scene.losses()
     except MeshdepictError:
         raise
-    except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError) as error:
-        raise MeshdepictError(f"is wrong as glTF ({type(error).__name__}: {error})") from error
+    except (LookupError, ValueError) as error:
+        said = " ".join(f"{type(error).__name__}: {error}".split())
+        raise MeshdepictError(f"is wrong as glTF ({said:.200})") from error
+    except (ArithmeticError, AttributeError, TypeError) as error:
+        raise MeshdepictError(
+            "is wrong as glTF: its JSON part holds a value of the wrong kind"
+        ) from error
     joined = [f"its {len(parts)} parts become one mesh"] if len(parts) > 1 else []
     if joined or lost:
         said = ", ".join(joined + [f"its {what} are not kept" for what in lost])
@@ -77,12 +86,20 @@ def _unpacked(data: bytes) -> tuple[dict[str, Any], bytes]:
     version, length = (int.from_bytes(data[at : at + 4], "little") for at in (4, 8))
     if version != 2:
         raise MeshdepictError(f"is GLB of version {version}; only version 2 is read")
+    if length < 20 and len(data) >= 20:
+        raise MeshdepictError("is wrong as GLB: its header claims that nothing comes after it")
+    if length > _ABSURD * len(data):
+        raise MeshdepictError(
+            f"is damaged or cut off: its header claims far more than the {len(data):,} bytes there"
+        )
     if length > len(data) or length < 20:
         raise MeshdepictError(f"is cut off: {length:,} bytes are due, but {len(data):,} are there")
     chunks: dict[bytes, bytes] = {}
     at = 12
     while at + 8 <= length:
         size = int.from_bytes(data[at : at + 4], "little")
+        if size > length - at - 8:
+            raise MeshdepictError("is wrong as GLB: a part of it claims to reach beyond its end")
         chunks.setdefault(data[at + 4 : at + 8], data[at + 8 : at + 8 + size])
         at += 8 + size
     return _parsed(chunks.get(_JSON, b"")), chunks.get(_BIN, b"")
@@ -91,6 +108,8 @@ def _unpacked(data: bytes) -> tuple[dict[str, Any], bytes]:
 def _parsed(text: bytes) -> dict[str, Any]:
     try:
         header = json.loads(text)
+    except RecursionError:
+        raise MeshdepictError("is wrong as glTF: its JSON part is nested too deep") from None
     except ValueError:
         header = None
     if not isinstance(header, dict) or not isinstance(header.get("asset"), dict):
@@ -108,17 +127,25 @@ def _joined(parts: list[Part], document: Document) -> Contents:
         [np.empty((0, 3), np.int64)]
         + [part.faces + first for part, first in zip(parts, before, strict=False)]
     )
+    used = points[faces.reshape(-1)]
+    if len(used) and (used == used[0]).all():
+        raise MeshdepictError(
+            f"has no size: the corners of its {len(faces):,} triangles all lie at one point; is "
+            "the scale of a node 0?"
+        )
     vertex: dict[str, NDArray[Any]] = {}
     if any(part.color is not None for part in parts):
-        color = np.concatenate(
-            [np.ones((len(p.points), 3)) if p.color is None else p.color for p in parts]
-        )
-        srgb = np.rint(255 * linear_to_srgb(np.clip(np.nan_to_num(color), 0, 1))).astype(np.uint8)
+        given = [np.ones((len(p.points), 4)) if p.color is None else p.color for p in parts]
+        color = np.clip(np.nan_to_num(np.concatenate(given)), 0, 1)
+        srgb = np.rint(255 * linear_to_srgb(color[:, :3])).astype(np.uint8)
         vertex |= dict(zip(COLOR, srgb.T, strict=True))
+        alpha = np.rint(255 * color[:, 3]).astype(np.uint8)
+        if (alpha < 255).any():
+            vertex["alpha"] = alpha
     if parts and all(part.texture is not None for part in parts):
         texture = np.concatenate([part.texture for part in parts if part.texture is not None])
         vertex |= {"s": texture[:, 0], "t": texture[:, 1]}
-    return Contents(points, faces, {"vertex": vertex}, document)
+    return Contents(points, faces, {"vertex": vertex}, document, "m")
 
 
 # --- writing ----------------------------------------------------------------------------------
@@ -164,6 +191,8 @@ def _built(mesh: Mesh, saving: Saving) -> tuple[dict[str, Any], bytes]:
     if colors is not None:
         linear = np.full((len(colors), 4), 65535, "<u2")  # four, so that rows start at words
         linear[:, :3] = np.rint(65535 * srgb_to_linear(colors / 255))
+        if "alpha" in mesh.attributes["vertex"]:  # kept, though the material is opaque
+            linear[:, 3] = 257 * as_bytes(mesh.attributes["vertex"]["alpha"]).astype("<u2")
         attributes["COLOR_0"] = len(arrays)
         arrays.append((linear, "VEC4", _ARRAY_BUFFER, {"normalized": True}))
     accessors, views, at = [], [], 0

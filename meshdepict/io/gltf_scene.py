@@ -1,34 +1,35 @@
-"""A glTF scene: accessors, nodes and their transforms, taken apart into lists of triangles."""
+"""A glTF scene: meshes, their materials and their places, taken apart into lists of triangles."""
 
 from __future__ import annotations
 
-import base64
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
-from urllib.parse import unquote
 
 import numpy as np
 from numpy.typing import NDArray
 
 from meshdepict.errors import MeshdepictError
+from meshdepict.io.gltf_buffers import Buffers, as_fractions, pick
+from meshdepict.io.gltf_extensions import DRACO, Unpacked, check_required, draco
+from meshdepict.io.gltf_pose import instances, morphed, placed, skinned
 from meshdepict.surface.polygons import Polygons, strip_triangles
 
-__all__ = ["COMPONENTS", "Part", "Scene"]
+__all__ = ["Part", "Scene"]
 
 Floats = NDArray[np.float64]
 
-COMPONENTS = {5120: "i1", 5121: "u1", 5122: "i2", 5123: "u2", 5125: "u4", 5126: "f4"}
-_SIZES = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT2": 4, "MAT3": 9, "MAT4": 16}
 _TRIANGLES, _STRIP, _FAN = 4, 5, 6
-_COMPRESSED = ("KHR_draco_mesh_compression", "EXT_meshopt_compression")
+_WHITE = (1.0, 1.0, 1.0, 1.0)
+_GLOSSINESS = "KHR_materials_pbrSpecularGlossiness"
 
 
 class Part(NamedTuple):
-    """Triangles that share one list of points, in world coordinates."""
+    """Triangles that share one list of points."""
 
     points: Floats
     faces: NDArray[np.int64]
-    color: Floats | None  # (n, 3) linear
+    color: Floats | None  # (n, 4) linear, with alpha
     texture: Floats | None  # (n, 2)
 
 
@@ -43,17 +44,15 @@ class Scene:
         The binary part, empty if there is none.
     folder : Path
         Where buffers in files of their own lie.
+    size : int
+        Of the file, in bytes.
     """
 
-    def __init__(self, header: dict[str, Any], chunk: bytes, folder: Path) -> None:
+    def __init__(self, header: dict[str, Any], chunk: bytes, folder: Path, size: int) -> None:
+        check_required(header.get("extensionsRequired", ()))
         self._header = header
-        self._folder = folder
-        self._buffers = {0: chunk} if chunk else {}
-        for extension in header.get("extensionsRequired", ()):
-            if extension in _COMPRESSED:
-                raise MeshdepictError(
-                    f"is compressed ({extension}), which is not read; export it uncompressed"
-                )
+        self._buffers = Buffers(header, chunk, folder, size)
+        self._parts: dict[int, list[Part]] = {}
 
     def losses(self) -> list[str]:
         """Name what the scene has beside triangles and their colours."""
@@ -66,139 +65,163 @@ class Scene:
         return names + (["points and lines"] if modes & {0, 1, 2, 3} else [])
 
     def parts(self) -> list[Part]:
-        """Return the triangles of every node of the scene."""
-        nodes = self._header.get("nodes", [])
-        scenes = self._header.get("scenes")
-        if scenes:
-            roots = scenes[self._header.get("scene", 0)].get("nodes", [])
-        else:
-            children = {child for node in nodes for child in node.get("children", ())}
-            roots = [index for index in range(len(nodes)) if index not in children]
+        """Return the triangles of every node of the scene, in world coordinates."""
         found: list[Part] = []
-        waiting = [(index, np.eye(4)) for index in reversed(roots)]
-        for _ in range(len(nodes)):  # each node once: no cycle goes on for ever
-            if not waiting:
-                break
-            index, above = waiting.pop()
-            node = nodes[index]
-            matrix = above @ _local_matrix(node)
-            waiting += [(child, matrix) for child in reversed(node.get("children", []))]
-            if "mesh" in node:
-                found += self._mesh_parts(self._header["meshes"][node["mesh"]], matrix)
+        places = placed(self._header)
+        for index, matrix in places.items():
+            node = pick(self._header, "nodes", index)
+            if "mesh" not in node:
+                continue
+            if "skin" in node:  # its joints say where it is, the node doesn't
+                found += self._skinned_parts(node, places)
+                continue
+            several = instances(node, self._buffers)
+            for part in self._node_parts(node):
+                if several is None:
+                    found.append(self._moved(part, matrix))
+                else:
+                    found += [self._moved(part, matrix @ instance) for instance in several]
+        if not found and DRACO in self._header.get("extensionsRequired", ()):
+            raise MeshdepictError(f"is compressed ({DRACO}), but holds no mesh")
         return found
 
-    def _mesh_parts(self, mesh: dict[str, Any], matrix: Floats) -> list[Part]:
+    def _moved(self, part: Part, matrix: Floats) -> Part:
+        """Return a part at its place; a mirror turns its faces round."""
+        self._buffers.claim(part.points.size + part.faces.size, "triangles at its nodes")
+        points = part.points @ matrix[:3, :3].T + matrix[:3, 3]
+        turned = _mirrors(matrix)
+        return part._replace(points=points, faces=part.faces[:, ::-1] if turned else part.faces)
+
+    def _skinned_parts(self, node: dict[str, Any], places: dict[int, Floats]) -> list[Part]:
+        mesh = pick(self._header, "meshes", node["mesh"])
+        skin = pick(self._header, "skins", node["skin"])
+        return self._mesh_parts(mesh, node.get("weights", mesh.get("weights", ())), skin, places)
+
+    def _node_parts(self, node: dict[str, Any]) -> list[Part]:
+        """Return the triangles of a node's mesh in the mesh's own coordinates."""
+        index = node["mesh"]
+        mesh = pick(self._header, "meshes", index)
+        if node.get("weights"):
+            return self._mesh_parts(mesh, node["weights"])
+        if index not in self._parts:
+            self._parts[index] = self._mesh_parts(mesh, mesh.get("weights", ()))
+        return self._parts[index]
+
+    def _mesh_parts(
+        self,
+        mesh: dict[str, Any],
+        weights: Sequence[float],
+        skin: dict[str, Any] | None = None,
+        places: dict[int, Floats] | None = None,
+    ) -> list[Part]:
         """Return a mesh's triangles; primitives that share their vertices stay one part."""
         shared: dict[tuple[Any, ...], Part] = {}
+        faces: dict[tuple[Any, ...], list[NDArray[np.int64]]] = {}
         for primitive in mesh["primitives"]:
             if primitive.get("mode", _TRIANGLES) < _TRIANGLES:
                 continue
             used = primitive["attributes"]
+            packed = primitive.get("extensions", {}).get(DRACO)
+            morphs = tuple(str(target) for target in primitive.get("targets", ()))
             factor = self._material_color(primitive)
-            key = (used["POSITION"], used.get("COLOR_0"), used.get("TEXCOORD_0"), *factor)
+            key = (
+                used["POSITION"], used.get("COLOR_0"), used.get("TEXCOORD_0"), *factor,
+                packed and packed["bufferView"], morphs,
+            )  # fmt: skip
+            unpacked = self._unpacked(primitive, packed) if packed else None
             if key not in shared:
-                shared[key] = self._part(used, matrix, factor)
-            part = shared[key]
-            faces = self._faces(primitive, len(part.points))
-            if np.linalg.det(matrix[:3, :3]) < 0:  # a mirror turns faces round
-                faces = faces[:, ::-1]
-            shared[key] = part._replace(faces=np.concatenate((part.faces, faces)))
-        return list(shared.values())
+                part = self._part(primitive, factor, weights, unpacked)
+                if skin is not None and "JOINTS_0" in used:
+                    points = skinned(part.points, used, skin, places or {}, self._buffers)
+                    part = part._replace(points=points)
+                shared[key] = part
+            faces.setdefault(key, []).append(
+                self._faces(primitive, len(shared[key].points), unpacked)
+            )
+        return [part._replace(faces=np.concatenate(faces[key])) for key, part in shared.items()]
 
-    def _part(self, used: dict[str, int], matrix: Floats, factor: list[float]) -> Part:
-        points = self.accessor(used["POSITION"]).astype(np.float64)
-        color = texture = None
-        if "COLOR_0" in used:
-            color = self.accessor(used["COLOR_0"], fractions=True)[:, :3] * factor
-        if "TEXCOORD_0" in used:
-            texture = self.accessor(used["TEXCOORD_0"]).astype(np.float64)
-        moved = points @ matrix[:3, :3].T + matrix[:3, 3]
-        return Part(moved, np.empty((0, 3), np.int64), color, texture)
-
-    def _faces(self, primitive: dict[str, Any], count: int) -> NDArray[np.int64]:
-        index = np.arange(count)
+    def _unpacked(self, primitive: dict[str, Any], packed: dict[str, Any]) -> Unpacked | None:
+        """Return what Draco compressed, None where the file holds the same uncompressed, too."""
+        position = primitive["attributes"]["POSITION"]
+        plain = "bufferView" in pick(self._header, "accessors", position)
+        if plain and DRACO not in self._header.get("extensionsRequired", ()):
+            return None
+        numbers = 3 * self._buffers.count(position)
         if "indices" in primitive:
-            index = self.accessor(primitive["indices"])[:, 0].astype(np.int64)
-        if len(index) and index.max() >= count:
-            raise MeshdepictError(f"has a glTF index of {index.max()} with only {count} points")
+            numbers += self._buffers.count(primitive["indices"])
+        return draco(self._buffers.packed(packed["bufferView"], numbers), packed["attributes"])
+
+    def _part(
+        self,
+        primitive: dict[str, Any],
+        factor: Sequence[float],
+        weights: Sequence[float],
+        unpacked: Unpacked | None,
+    ) -> Part:
+        used = primitive["attributes"]
+        colored = "COLOR_0" in used
+        points = self._values(used, "POSITION", unpacked)[:, :3]
+        points = morphed(points, "POSITION", primitive, weights, self._buffers)
+        color = texture = None
+        if colored or tuple(factor) != _WHITE:
+            color = np.tile(_WHITE, (len(points), 1))
+            if colored:
+                given = self._values(used, "COLOR_0", unpacked)
+                given = morphed(given, "COLOR_0", primitive, weights, self._buffers)
+                color[:, : given.shape[1]] = given
+            color = color * factor
+        if "TEXCOORD_0" in used:
+            texture = self._values(used, "TEXCOORD_0", unpacked)
+        self._buffers.claim(points.size, "points")
+        return Part(points, np.empty((0, 3), np.int64), color, texture)
+
+    def _values(self, used: dict[str, int], name: str, unpacked: Unpacked | None) -> Floats:
+        """Return an attribute of all vertices; colours as fractions whatever their type."""
+        fractions = name == "COLOR_0"
+        if unpacked is None or name not in unpacked.values:
+            values = self._buffers.accessor(used[name], fractions=fractions)
+        else:
+            values = unpacked.values[name]
+            if fractions or pick(self._header, "accessors", used[name]).get("normalized"):
+                values = as_fractions(values)
+        return values.astype(np.float64)
+
+    def _faces(
+        self, primitive: dict[str, Any], count: int, unpacked: Unpacked | None
+    ) -> NDArray[np.int64]:
+        if unpacked is not None:
+            index = unpacked.faces.reshape(-1)
+        elif "indices" in primitive:
+            index = self._buffers.accessor(primitive["indices"])[:, 0].astype(np.int64)
+        else:
+            index = np.arange(count)
+        wrong = (index < 0) | (index >= count)
+        if wrong.any():
+            raise MeshdepictError(
+                f"has a glTF index of {index[np.argmax(wrong)]} with only {count} points"
+            )
+        self._buffers.claim(3 * len(index), "triangles")
         mode = primitive.get("mode", _TRIANGLES)
-        if mode == _STRIP:
+        if mode == _STRIP and unpacked is None:
             return strip_triangles(Polygons(index, np.array([0, len(index)])))[0]
         if mode == _FAN:
             first = np.broadcast_to(index[:1], max(len(index) - 2, 0))
             return np.stack((first, index[1:-1], index[2:]), axis=1)
         return index[: len(index) // 3 * 3].reshape(-1, 3)
 
-    def _material_color(self, primitive: dict[str, Any]) -> list[float]:
+    def _material_color(self, primitive: dict[str, Any]) -> tuple[float, ...]:
+        """Return the factor (red, green, blue, alpha) of a primitive's colours."""
         if "material" not in primitive:
-            return [1.0, 1.0, 1.0]
-        material = self._header["materials"][primitive["material"]]
-        metallic_roughness = material.get("pbrMetallicRoughness", {})
-        factor: list[float] = metallic_roughness.get("baseColorFactor", [1.0, 1.0, 1.0])[:3]
-        return factor
-
-    def accessor(self, index: int, *, fractions: bool = False) -> NDArray[Any]:
-        """Return an accessor's values as (count, components), normalised where it says so.
-
-        ``fractions`` takes integers as fractions of their range in any case.
-        """
-        accessor = self._header["accessors"][index]
-        kind = np.dtype("<" + COMPONENTS[accessor["componentType"]])
-        shape = (accessor["count"], _SIZES[accessor["type"]])
-        if "bufferView" in accessor:
-            values = self._viewed(accessor, kind, shape)
-        else:
-            values = np.zeros(shape, kind)
-        if sparse := accessor.get("sparse"):
-            index_kind = np.dtype("<" + COMPONENTS[sparse["indices"]["componentType"]])
-            at = self._viewed(sparse["indices"], index_kind, (sparse["count"], 1))[:, 0]
-            values = values.copy()
-            values[at] = self._viewed(sparse["values"], kind, (sparse["count"], shape[1]))
-        if kind.kind in "iu" and (fractions or accessor.get("normalized")):
-            return np.maximum(values / np.iinfo(kind).max, -1.0)
-        return values
-
-    def _viewed(
-        self, described: dict[str, Any], kind: np.dtype[Any], shape: tuple[int, int]
-    ) -> NDArray[Any]:
-        view = self._header["bufferViews"][described["bufferView"]]
-        buffer = self._buffer(view["buffer"])
-        start = view.get("byteOffset", 0) + described.get("byteOffset", 0)
-        count, components = shape
-        row = kind.itemsize * components
-        stride = view.get("byteStride", row)
-        if count and start + (count - 1) * stride + row > len(buffer):
-            raise MeshdepictError("is cut off: its buffers are shorter than its glTF header says")
-        return np.ndarray(shape, kind, buffer, start if count else 0, (stride, kind.itemsize))
-
-    def _buffer(self, index: int) -> bytes:
-        if index not in self._buffers:
-            uri = self._header["buffers"][index].get("uri", "")
-            if uri.startswith("data:"):
-                self._buffers[index] = base64.b64decode(uri.partition(",")[2])
-            else:
-                try:
-                    self._buffers[index] = (self._folder / unquote(uri)).read_bytes()
-                except OSError as error:
-                    raise MeshdepictError(
-                        f"needs the file {uri!r} beside it, which can't be read ({error.strerror})"
-                    ) from None
-        return self._buffers[index]
+            return _WHITE
+        material = pick(self._header, "materials", primitive["material"])
+        factor = material.get("pbrMetallicRoughness", {}).get("baseColorFactor")
+        if factor is None:
+            glossy = material.get("extensions", {}).get(_GLOSSINESS, {})
+            factor = glossy.get("diffuseFactor", _WHITE)
+        given = tuple(map(float, factor))
+        return given + _WHITE[len(given) :]
 
 
-def _local_matrix(node: dict[str, Any]) -> Floats:
-    """Return a node's own transform as (4, 4), for columns."""
-    if "matrix" in node:
-        return np.array(node["matrix"], dtype=float).reshape(4, 4).T
-    x, y, z, w = node.get("rotation", (0.0, 0.0, 0.0, 1.0))
-    rotation = np.array(
-        [
-            [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
-            [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
-            [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
-        ]
-    )
-    matrix = np.eye(4)
-    matrix[:3, :3] = rotation * node.get("scale", (1.0, 1.0, 1.0))
-    matrix[:3, 3] = node.get("translation", (0.0, 0.0, 0.0))
-    return matrix
+def _mirrors(matrix: Floats) -> bool:
+    largest = np.abs(matrix[:3, :3]).max()
+    return bool(largest > 0 and np.linalg.det(matrix[:3, :3] / largest) < 0)

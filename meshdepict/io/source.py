@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import gzip
-import io
 import os
 import re
 import zlib
@@ -13,6 +12,8 @@ from pathlib import Path
 from typing import BinaryIO
 
 from meshdepict.errors import MeshdepictError
+from meshdepict.files.limits import unpacked
+from meshdepict.files.reach import regular
 
 __all__ = ["FORMATS", "WRITABLE", "format_of", "opened", "suffix_of"]
 
@@ -47,16 +48,17 @@ def opened(path: str | os.PathLike[str]) -> Iterator[BinaryIO]:
     Raises
     ------
     MeshdepictError
-        For a file that is missing, forbidden, empty, a folder, or damaged as gzip: one sentence.
+        For a file that is missing, forbidden, empty, a folder or no file (a pipe, a device), and
+        for one that is damaged as gzip or unpacks to more than is allowed: one sentence.
     """
+    regular(path)
     try:
         with Path(path).open("rb") as file:
             start = file.peek(2)[:2]
             if not start:
                 raise MeshdepictError(f"{path} is empty")
             if start == b"\x1f\x8b":
-                with gzip.GzipFile(fileobj=file) as unpacked:
-                    yield io.BufferedReader(unpacked)
+                yield unpacked(file, path)
             else:
                 yield file
     except FileNotFoundError:

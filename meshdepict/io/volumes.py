@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from meshdepict.errors import MeshdepictError, MeshdepictWarning
+from meshdepict.files.reach import regular
 
 if TYPE_CHECKING:
     from meshdepict.shapes.volume import Volume
@@ -86,6 +87,7 @@ def read_volume(
     from meshdepict.shapes.volume import Volume
 
     path = Path(path)
+    regular(path)
     try:
         kind = _kind(path)
         if series is not None and kind != "dicom":

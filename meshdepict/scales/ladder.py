@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshdepict.errors import MeshdepictError
+from meshdepict.options import real
 
 __all__ = ["FACING", "TOLERANCE", "Progress", "check_ladder", "ladder", "reporter"]
 
@@ -34,14 +35,15 @@ def ladder(scales: int, ratio: float, first: float) -> NDArray[np.float64]:
 
 
 def check_ladder(scales: int, ratio: float, facing: int, tolerance: float) -> None:
-    """Refuse parameters of a scale space that are out of their range."""
-    if isinstance(scales, bool) or int(scales) != scales or not 0 <= scales <= 64:
+    """Refuse parameters of a scale space that are out of their range, or of another type."""
+    count, step, angle = map(real, (scales, ratio, tolerance))
+    if count is None or not count.is_integer() or not 0 <= count <= 64:
         raise MeshdepictError(f"scales={scales!r} is not a whole number from 0 to 64")
-    if not 1 < ratio <= 10:
+    if step is None or not 1 < step <= 10:
         raise MeshdepictError(f"ratio={ratio!r} is not a number above 1 and up to 10")
-    if facing not in (0, 1):
+    if real(facing) not in (0, 1) and not isinstance(facing, bool):
         raise MeshdepictError(f"facing={facing!r} is neither 0 (the paper's sum) nor 1")
-    if not 1e-7 <= tolerance <= 0.1:
+    if angle is None or not 1e-7 <= angle <= 0.1:
         raise MeshdepictError(f"tolerance={tolerance!r} is not an angle from 1e-7 to 0.1 radians")
 
 

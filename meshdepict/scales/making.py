@@ -96,6 +96,8 @@ def smooth_normals(
     (n, 3) array of float32
         Unit normals.
     """
+    if getattr(mesh, "kind", None) != "mesh":
+        raise MeshdepictError(f"a {type(mesh).__name__} has no normals to smooth: give a Mesh")
     last = resolve_width(width, mesh)
     rungs = 1 + max(0, math.floor(2 * math.log2(last / mesh.edge_length) + 1e-9))
     first = last * math.sqrt(2) ** (1 - rungs)

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from meshdepict.errors import MeshdepictError
+from meshdepict.options import real
 from meshdepict.scene.equirectangular import (
     bilinear,
     grid,
@@ -55,7 +56,7 @@ class Environment:
     def __init__(self, pixels: ArrayLike, *, up: str = "y", name: str = "") -> None:
         try:
             array = np.array(pixels, np.float32)
-        except (TypeError, ValueError):
+        except (TypeError, ValueError, OverflowError):
             array = np.empty(0, np.float32)
         if array.ndim != 3 or array.shape[2] != 3 or 0 in array.shape:
             raise MeshdepictError("an environment's pixels must have shape (rows, columns, 3)")
@@ -76,6 +77,8 @@ class Environment:
         MeshdepictError
             Where there is no such file, or it is something else or damaged.
         """
+        if not isinstance(path, (str, Path)):
+            raise MeshdepictError(f"an environment's file is given by its path, not as {path!r}")
         return cls(read_radiance(Path(path)), up=up, name=Path(path).stem)
 
     def __str__(self) -> str:
@@ -121,7 +124,8 @@ class Environment:
         list of Light
             The same every time. π times the sum of their colours is `flux`.
         """
-        if isinstance(count, bool) or not 1 <= count <= 1_000_000 or count != int(count):
+        number = real(count)
+        if number is None or not 1 <= number <= 1_000_000 or not number.is_integer():
             raise MeshdepictError(f"count={count!r} is not a number of lights")
         flux = self.pixels * self._solid_angles[..., None]
         power = flux @ LUMINANCE
@@ -150,7 +154,7 @@ class Environment:
         -------
         (n, 3) array
         """
-        return np.maximum(_harmonics(np.asarray(normals, np.float64)) @ self._coefficients, 0)
+        return np.maximum(_harmonics(_vectors(normals, "normals")) @ self._coefficients, 0)
 
     @cached_property
     def _coefficients(self) -> NDArray[np.float64]:
@@ -174,13 +178,14 @@ class Environment:
         -------
         (n, 3) array of float32
         """
-        if not 0 <= blur < math.inf:
+        width = real(blur)
+        if width is None or width < 0:
             raise MeshdepictError(f"blur={blur!r} is not a width in radians")
         widths = np.array([0.0, *(width for width, _ in _BLURS)])
-        level = float(np.interp(blur, widths, np.arange(len(widths))))
+        level = float(np.interp(width, widths, np.arange(len(widths))))
         lower = min(int(level), len(widths) - 2)
         share = np.float32(level - lower)
-        local = to_picture(np.asarray(directions, np.float64), self.up)
+        local = to_picture(_vectors(directions, "directions"), self.up)
         found = bilinear(self._copy(lower), local) if share < 1 else np.float32(0)
         if share > 0:
             found = (1 - share) * found + share * bilinear(self._copy(lower + 1), local)
@@ -250,3 +255,14 @@ def _harmonics(directions: Floats) -> Floats:
         ],
         axis=-1,
     )
+
+
+def _vectors(given: ArrayLike, what: str) -> NDArray[np.float64]:
+    """Return (…, 3) numbers."""
+    try:
+        array = np.asarray(given, np.float64)
+    except (TypeError, ValueError, OverflowError):
+        array = np.empty(0)
+    if array.ndim == 0 or array.shape[-1] != 3:
+        raise MeshdepictError(f"{what} must be an (n, 3) array of numbers")
+    return array

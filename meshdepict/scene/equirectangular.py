@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshdepict.errors import MeshdepictError
+from meshdepict.files.reach import regular
 from meshdepict.scene.upright import upright
 
 __all__ = ["bilinear", "grid", "median_cut", "read_radiance", "to_picture", "to_world"]
@@ -113,6 +114,7 @@ def read_radiance(path: Path) -> NDArray[np.float32]:
     MeshdepictError
         Where there is no such file, or it is something else or damaged.
     """
+    regular(path)
     try:
         with path.open("rb") as file:
             begin, size = file.read(_HEADER), path.stat().st_size

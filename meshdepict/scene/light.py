@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from meshdepict.errors import MeshdepictError
+from meshdepict.options import real
 from meshdepict.scene.vectors import numbers_of, unit
 
 __all__ = ["Light", "Lights"]
@@ -50,9 +51,10 @@ class Light:
         count : int
             Lights, which share the colour evenly.
         """
-        if isinstance(count, bool) or not 1 <= count <= 1_000_000 or count != int(count):
+        number, angle = real(count), real(radius)
+        if number is None or not 1 <= number <= 1_000_000 or not number.is_integer():
             raise MeshdepictError(f"count={count!r} is not a number of lights")
-        if not 0 <= radius <= 180:
+        if angle is None or not 0 <= angle <= 180:
             raise MeshdepictError(f"radius={radius!r} is not an angle from 0° to 180°")
         # A golden spiral: even by solid angle, in any number.
         i = np.arange(count) + 0.5

@@ -107,7 +107,9 @@ def as_lighting(light: Any, view: View | None = None, *, up: str = "y") -> Any:
 
 def is_several(light: Any) -> bool:
     """Whether this is a sequence of lights, and not the numbers of one."""
-    if isinstance(light, (str, Light)) or not hasattr(light, "__len__"):
+    if isinstance(light, (str, bytes, Light)) or not hasattr(light, "__len__"):
+        return False
+    if getattr(light, "shape", None) == ():  # an array of no axis has no length, though it says so
         return False
     return not len(light) or any(
         isinstance(item, (str, Light, Environment)) or np.ndim(item) for item in light
@@ -122,6 +124,6 @@ def as_view(view: str | View, shape: Any, *, up: str = "y") -> View:
     if isinstance(view, View):
         return view
     own = getattr(shape, "view", None)
-    if own is not None and view in ("front", own.name):
+    if own is not None and isinstance(view, str) and view in ("front", own.name):
         return own
     return View.fitted(view, shape, up=up)

@@ -133,6 +133,8 @@ class View:
         if not _positive(aspect, math.inf):
             raise MeshdepictError(f"aspect={aspect!r} is not a positive ratio")
         towards, upwards = named_directions(name, up)
+        if not hasattr(shape, "outline"):
+            raise MeshdepictError(f"a view can't be fitted to a {type(shape).__name__}")
         eye = cls(towards, (0, 0, 0), upwards, parallel_scale=1.0)
         seen = (shape.outline - shape._centre) @ eye.frame.T
         low, high = seen.min(axis=0), seen.max(axis=0)

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from meshdepict.color.srgb import linear_to_srgb
 from meshdepict.errors import MeshdepictError
+from meshdepict.files.pictures import opened_picture
 from meshdepict.options import nearest
 from meshdepict.scene.equirectangular import read_radiance
 
@@ -77,12 +78,10 @@ def sphere_picture(sphere: str | Path) -> NDArray[np.float32]:
 
 
 def _read(sphere: str | Path) -> Floats:
-    from PIL import Image, UnidentifiedImageError
-
     try:
-        with Image.open(sphere) as image:
+        with opened_picture(sphere) as image:
             rgba: Floats = np.asarray(image.convert("RGBA"), np.float32) / 255
-    except (OSError, UnidentifiedImageError, SyntaxError, ValueError) as error:
+    except (OSError, ValueError) as error:
         raise MeshdepictError(f"{sphere}: cannot be read as a picture ({error})") from None
     return rgba
 

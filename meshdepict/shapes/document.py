@@ -36,6 +36,7 @@ class Contents(NamedTuple):
     faces: Any
     attributes: Mapping[str, Mapping[str, Any]]
     document: Document
+    length_unit: str = ""  # of the coordinates, where the format or the file says so
 
 
 class Saving(NamedTuple):

@@ -173,6 +173,8 @@ class GBuffer(PixelSamples):
         from meshdepict.images.image_files import depth_unit, surface_images
         from meshdepict.scene.view import View
 
+        if view is not None and not isinstance(view, View):
+            raise MeshdepictError(f"view={view!r} is no View")
         found = surface_images(normals, depth, mask, occlusion, green=green)
         height, width = found.mask.shape
         check_size((width, height))

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 
 from meshdepict.errors import MeshdepictError
+from meshdepict.options import real
 from meshdepict.shapes.mesh import Mesh
 from meshdepict.shapes.volume import Volume
 
@@ -29,8 +28,11 @@ def isosurface(volume: Volume, value: float) -> Mesh:
     MeshdepictError
         For a value that is no number, or outside of those that the volume has.
     """
+    if not isinstance(volume, Volume):
+        raise MeshdepictError(f"a {type(volume).__name__} has no isosurface: give a Volume")
     low, high = volume.range
-    if isinstance(value, bool) or not math.isfinite(value) or not low < value < high:
+    number = real(value)
+    if number is None or not low < number < high:
         raise MeshdepictError(
             f"a surface at {value!r} can't be found: the volume's values are {low:g} … {high:g} "
             f"({volume.unit})"

@@ -6,6 +6,7 @@ import math
 from typing import Any
 
 from meshdepict.errors import MeshdepictError
+from meshdepict.options import real
 
 __all__ = ["resolve_width"]
 
@@ -23,11 +24,13 @@ def resolve_width(width: float | str | None, shape: Any) -> float:
     if width is None:
         return float(shape.edge_length)
     try:
-        if isinstance(width, str) and width.strip().endswith("%"):
+        if not isinstance(width, str):
+            resolved = real(width) or math.nan
+        elif width.strip().endswith("%"):
             resolved = float(width.strip()[:-1]) / 100 * shape.diagonal
         else:
             resolved = float(width)
-    except (TypeError, ValueError):
+    except ValueError:
         resolved = math.nan
     if not (0 < resolved < math.inf):
         raise MeshdepictError(

@@ -42,6 +42,8 @@ class Mesh:
         `faces` themselves stay as given. "keep" believes the file.
     document : object, optional
         What the file's reader wants the file's writer to know.
+    length_unit : str
+        What the coordinates are measured in, "m" or "mm" for instance; empty where unknown.
 
     Raises
     ------
@@ -59,6 +61,7 @@ class Mesh:
         attributes: Mapping[str, Mapping[str, Any]] | None = None,
         winding: str = "auto",
         document: object = None,
+        length_unit: str = "",
     ) -> None:
         self.vertices = checked_vertices(vertices)
         polygons = as_polygons(faces)
@@ -68,17 +71,20 @@ class Mesh:
                 "surface; reconstruct one from the points first"
             )
         check_indices(polygons, len(self.vertices))
-        if winding not in ("auto", "keep"):
+        if not isinstance(winding, str) or winding not in ("auto", "keep"):
             raise MeshdepictError(f"winding={winding!r} is neither 'auto' nor 'keep'")
         self.faces, self._owner = triangulate(self.vertices, polygons)
         if len(self.faces) == 0:
             raise MeshdepictError("the mesh has no faces with three corners or more")
         self.polygons = None if (np.diff(polygons.offsets) == 3).all() else polygons
         self.attributes = checked_attributes(
-            attributes or {}, vertex=len(self.vertices), face=len(polygons.offsets) - 1
+            {} if attributes is None else attributes,
+            vertex=len(self.vertices),
+            face=len(polygons.offsets) - 1,
         )
         self.winding = winding
         self.document = document
+        self.length_unit = length_unit
         for array in (self.vertices, self.faces, self._owner, *polygons):
             array.setflags(write=False)
 
@@ -116,8 +122,15 @@ class Mesh:
 
     @classmethod
     def _of(cls, contents: Any, winding: str) -> Mesh:
-        vertices, faces, attributes, document = contents
-        return cls(vertices, faces, attributes=attributes, winding=winding, document=document)
+        vertices, faces, attributes, document, length_unit = contents
+        return cls(
+            vertices,
+            faces,
+            attributes=attributes,
+            winding=winding,
+            document=document,
+            length_unit=length_unit,
+        )
 
     def __repr__(self) -> str:
         """Return counts and size."""
@@ -227,6 +240,7 @@ class Mesh:
             attributes=self.attributes,
             winding="keep",
             document=kept,
+            length_unit=self.length_unit,
         )
 
     # --- what shading needs -----------------------------------------------------------------

@@ -77,6 +77,8 @@ class Volume(Grid):
         attributes: Mapping[str, Any] | None = None,
     ) -> None:
         self.values = frozen(checked_values(values).view())
+        if attributes is not None and not isinstance(attributes, Mapping):
+            raise MeshdepictError(f"attributes={attributes!r} is no mapping of names to values")
         super().__init__(
             self.values.shape, spacing=spacing, origin=origin, direction=direction,
             hounsfield=hounsfield,

@@ -83,6 +83,8 @@ def checked_attributes(
     MeshdepictError
         For another element or another number of rows.
     """
+    if not isinstance(given, Mapping) or not all(isinstance(a, Mapping) for a in given.values()):
+        raise MeshdepictError("attributes are given as {element: {name: values}}")
     unknown = set(given) - set(counts)
     if unknown:
         raise MeshdepictError(

@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from meshdepict.errors import MeshdepictError
 from meshdepict.scene.light import Light, Lights
+from meshdepict.scene.vectors import numbers_of
 from meshdepict.scene.view import View
 
 __all__ = ["angles", "carried", "dragged", "lights_of"]
@@ -40,9 +41,12 @@ def dragged(lighting: Any, view: View, drag: ArrayLike) -> Any:
     Raises
     ------
     MeshdepictError
-        For an environment: a panorama stays where it is.
+        For an environment: a panorama stays where it is; and for what is no drag.
     """
-    right, up = np.asarray(drag, dtype=np.float64)
+    given = numbers_of(drag)
+    if given.shape != (2,):
+        raise MeshdepictError(f"drag={drag!r} is not two numbers: to the right, and up")
+    right, up = given
     length = math.hypot(right, up)
     if length == 0:
         return lighting

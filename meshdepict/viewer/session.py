@@ -127,7 +127,7 @@ class Session:
 
     def fix_light(self, to: str) -> None:
         """Fix the light to the "object", or to the "eye" that then carries it along."""
-        if to not in ("object", "eye"):
+        if not isinstance(to, str) or to not in ("object", "eye"):
             raise MeshdepictError(f"a light is fixed to the 'object' or to the 'eye', not {to!r}")
         self.light_fixed_to = to
 

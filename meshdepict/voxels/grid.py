@@ -65,6 +65,8 @@ class Grid:
             )
         if not np.abs(self.outline).max() < _LARGEST:
             raise MeshdepictError(f"the volume reaches beyond {_LARGEST:g} in world coordinates")
+        if not isinstance(hounsfield, (bool, np.bool_)):
+            raise MeshdepictError(f"hounsfield={hounsfield!r} is neither True nor False")
         self.hounsfield = bool(hounsfield)
 
     @property

@@ -38,7 +38,12 @@ def checked_values(values: ArrayLike) -> NDArray[Any]:
     MeshdepictError
         For other things than real numbers, another shape, none at all, a single slice.
     """
-    array = np.asarray(values)
+    try:
+        array = np.asarray(values)
+    except (TypeError, ValueError, OverflowError):
+        raise MeshdepictError(
+            "a volume's values must be real numbers in a grid of three axes (z, y, x)"
+        ) from None
     if array.dtype.kind not in "biuf":
         raise MeshdepictError(f"a volume's values must be real numbers, not {array.dtype}")
     if array.ndim != 3:
@@ -68,7 +73,7 @@ def three_numbers(numbers: ArrayLike, what: str) -> Floats:
     """
     try:
         array = np.array(numbers, np.float64)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         array = np.empty(0)
     if array.shape != (3,) or not np.isfinite(array).all():
         raise MeshdepictError(f"{what}={numbers!r} is not three finite numbers (x, y, z)")
@@ -85,20 +90,24 @@ def checked_direction(direction: ArrayLike) -> Floats:
     """
     try:
         matrix = np.array(direction, np.float64)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         matrix = np.empty(0)
     error = np.inf
     if matrix.shape == (3, 3) and np.isfinite(matrix).all():
         error = float(np.abs(matrix.T @ matrix - np.eye(3)).max())
     if error > _SKEW:
         raise MeshdepictError(
-            f"direction={np.asarray(direction).tolist()} is not a 3 x 3 matrix of orthonormal "
+            f"direction={_listed(direction)!r} is not a 3 x 3 matrix of orthonormal "
             "columns: resample a skewed grid first"
         )
     if error < 1e-14:
         return matrix
     u, _, vh = np.linalg.svd(matrix)
     return u @ vh
+
+
+def _listed(given: Any) -> Any:
+    return given.tolist() if isinstance(given, np.ndarray) else given
 
 
 def as_list(numbers: Floats) -> str:

@@ -9,6 +9,7 @@ from meshdepict import MeshdepictError
 from meshdepict.drawing.canvas import on_ground
 from meshdepict.drawing.figure import Figure
 from meshdepict.drawing.framing import frame
+from meshdepict.drawing.scale_bar import draw_scale_bar
 from meshdepict.shapes import samples
 
 
@@ -138,3 +139,29 @@ def test_a_picture_of_a_speck_still_has_room_for_its_scale_bar(tmp_path, scale, 
     strip = image[image.shape[0] // 3 :]
     assert (strip.min(axis=2) < 100).sum() > 40  # bar and letters
     assert (strip[:, -3:].min(axis=2) > 200).all() or background == "transparent"  # none cut off
+
+
+def test_the_scale_bar_says_what_the_file_says_unless_told_otherwise():
+    ball = samples.sphere(200)
+    metres = md.Mesh(ball.vertices, ball.faces, length_unit="m")
+    view = md.View.fitted("front", ball)
+    figure, told = Figure(scale_bar=True), Figure(scale_bar=True, unit="mm")
+    found = [
+        frame(view, shape, layout).unit
+        for shape, layout in ((ball, figure), (metres, figure), (metres, told))
+    ]
+    assert found == ["", "m", "mm"]
+    pictures = [
+        draw(shape, layout) for shape, layout in ((ball, figure), (metres, figure), (metres, told))
+    ]
+    assert not np.array_equal(pictures[0], pictures[1])
+    assert not np.array_equal(pictures[1], pictures[2])
+    np.testing.assert_array_equal(pictures[1], draw(ball, Figure(scale_bar=True, unit="m")))
+
+
+def draw(shape, figure):
+    """Return a white picture with nothing but the scale bar of a shape's."""
+    framing = frame(md.View.fitted("front", shape), shape, figure)
+    image = Image.new("RGB", framing.size, "white")
+    draw_scale_bar(image, framing, figure)
+    return np.asarray(image)

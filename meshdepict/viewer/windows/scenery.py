@@ -90,7 +90,7 @@ class Scenery:
         )
         self.wipe = Wipe()
         main.AddViewProp(self.wipe.line)
-        self._ruler = Ruler(main)
+        self._ruler = Ruler(main, getattr(session.shape, "length_unit", ""))
         self.plotter.add_axes(
             viewport=(0, 0, 0.13, 0.17), line_width=2, color="black", interactive=False
         )
