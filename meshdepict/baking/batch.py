@@ -19,7 +19,7 @@ from meshdepict.baking.baked import Baked
 from meshdepict.baking.look import Look
 from meshdepict.baking.surfaces import bake_surface
 from meshdepict.baking.targets import check_target
-from meshdepict.console import about, complain, notes, progress_bar
+from meshdepict.console import about, complain, notes, progress_bar, say
 from meshdepict.drawing.figure import Figure
 from meshdepict.drawing.framing import check_scale, frame
 from meshdepict.drawing.picture import check_picture, save_picture
@@ -111,7 +111,7 @@ class Batch:
         done = 0
         for job in jobs.values():
             try:
-                print(self._bake(job), flush=True)  # noqa: T201
+                say(self._bake(job))
                 done += 1
             except MeshdepictError as error:
                 complain(about(job.source, error))
