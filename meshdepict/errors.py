@@ -12,7 +12,7 @@ _UNSEEN = re.compile(r"[\x00-\x1f\x7f-\x9f\u200e\u200f\u2028-\u202e\u2066-\u2069
 
 
 def printable(text: str, *, keep: str = "") -> str:
-    """Return a text with the characters that steer a terminal spelled out: ``\\x1b`` for ESC.
+    r"""Return a text with the characters that steer a terminal spelled out: ``\x1b`` for ESC.
 
     Names in a file, and names of files, are somebody else's words.
 

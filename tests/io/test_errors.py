@@ -54,6 +54,7 @@ WRONG = {
     "empty.ply": (b"", "is empty"),
     "unknown.xyz": (b"0 0 0\n", "format is unknown; meshes are read from .ply, .obj"),
     "no_suffix": (b"what is this", "format is unknown"),
+    "utf16.off": ("OFF 1 1 0".encode("utf-16"), "is text in UTF-16: save it as plain text"),
     "cut.ply.gz": (gzip.compress(HEADER + ROWS)[:-20], "is damaged: unpacking it failed"),
     "damaged.ply.gz": (b"\x1f\x8b" + b"\xff" * 50, "is damaged: unpacking it failed"),
     # PLY: the header
