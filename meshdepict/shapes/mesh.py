@@ -19,11 +19,14 @@ from meshdepict.surface.polygons import as_polygons, triangulate
 from meshdepict.surface.welding import normal_groups, same_position
 
 if TYPE_CHECKING:
+    from meshdepict.surface.gaps import Closed
     from meshdepict.surface.orientation import Orientation
 
 __all__ = ["Mesh"]
 
 Floats = NDArray[np.float64]
+
+_STEPS = 64  # of single precision: what a handful of operations on coordinates leaves
 
 
 class Mesh:
@@ -177,23 +180,83 @@ class Mesh:
     # --- orientation ------------------------------------------------------------------------
 
     @cached_property
+    def _is_balanced(self) -> bool:
+        """Whether the surface is closed and its faces agree, bit for bit and as they are wound."""
+        from meshdepict.surface.edges import is_balanced
+
+        return is_balanced(self.faces, len(self.vertices))
+
+    @cached_property
+    def _gaps(self) -> Closed | None:
+        """The private points with gaps as wide as rounding closed; None: there are none."""
+        if self._is_balanced:
+            return None
+        from meshdepict.surface.gaps import closed_gaps
+
+        with np.errstate(over="ignore"):
+            single = np.array_equal(self.vertices.astype(np.float32), self.vertices)
+        # Far from the origin, single precision is coarse: some of its steps at the largest number.
+        steps = _STEPS * float(np.finfo(np.float32).eps * np.abs(self.vertices).max())
+        rounding = steps / (self.diagonal or 1.0) if single else 0.0
+        return closed_gaps(self._unit_points, self.faces, rounding=rounding)
+
+    @property
+    def _joined_points(self) -> Floats:
+        """The private points, those that differ by rounding along open edges at one position."""
+        return self._unit_points if self._gaps is None else self._gaps.points
+
+    @cached_property
+    def _other_sides(self) -> NDArray[np.bool_] | None:
+        """The faces that repeat an earlier one with the other winding; None: there are none."""
+        from meshdepict.surface.doubling import other_sides
+
+        return other_sides(self._joined_points, self.faces)
+
+    @cached_property
     def orientation(self) -> Orientation:
-        """Which faces had to be turned to point outwards, and a sentence about it."""
+        """Which faces had to be turned to point outwards, and what shading makes of the surface.
+
+        A face that is there with both windings turns with the side that is shaded.
+        """
         from meshdepict.surface.orientation import Orientation, orient
 
+        others = self._other_sides
         if self.winding == "keep":
-            return Orientation(np.zeros(len(self.faces), bool), None)
-        found = orient(self._unit_points, self.faces)
-        if found.message:
-            warnings.warn(found.message, MeshdepictWarning, stacklevel=3)
-        return found
+            found = Orientation(np.zeros(len(self.faces), bool), None)
+        else:
+            known = self._is_balanced if others is None else None
+            found = orient(self._joined_points, self._one_sided_faces, balanced=known)
+        said = [found.message] if found.message else []
+        if self._gaps is not None:
+            widest = self._gaps.widest * (self.diagonal or 1.0)
+            said.append(
+                f"{self._gaps.corners:,} corners at open edges differ from their neighbours' by "
+                f"rounding ({widest:.2g} at most): each such gap is closed for shading"
+            )
+        if others is not None:
+            said.append(
+                f"{int(others.sum()):,} faces are there twice, with both windings: "
+                "one side of them is shaded"
+            )
+        if not said:
+            return found
+        message = "; ".join(said)
+        warnings.warn(message, MeshdepictWarning, stacklevel=3)
+        return Orientation(found.flipped, message)
+
+    @property
+    def _one_sided_faces(self) -> NDArray[np.int64]:
+        return self._turned(self._other_sides)
 
     @cached_property
     def _outward_faces(self) -> NDArray[np.int64]:
-        flipped = self.orientation.flipped
-        if not flipped.any():
+        flipped, others = self.orientation.flipped, self._other_sides
+        return frozen(self._turned(flipped if others is None else flipped ^ others))
+
+    def _turned(self, which: NDArray[np.bool_] | None) -> NDArray[np.int64]:
+        if which is None or not which.any():
             return self.faces
-        return frozen(np.where(flipped[:, None], self.faces[:, ::-1], self.faces))
+        return np.where(which[:, None], self.faces[:, ::-1], self.faces)
 
     def rewound(self) -> Mesh:
         """Return the mesh with its faces themselves turned outwards; itself where they are.
@@ -263,7 +326,7 @@ class Mesh:
 
         Groups are numbered from 0 without gaps.
         """
-        position = same_position(self.vertices)
+        position = same_position(self._joined_points)
         if position is None:
             return None
         return normal_groups(
