@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import gzip
-import io
 import os
 import re
 import zlib
@@ -13,6 +12,8 @@ from pathlib import Path
 from typing import BinaryIO
 
 from meshdepict.errors import MeshdepictError
+from meshdepict.files.limits import unpacked
+from meshdepict.files.reach import regular
 
 __all__ = ["FORMATS", "WRITABLE", "format_of", "opened", "suffix_of", "unmarked"]
 
@@ -48,16 +49,18 @@ def opened(path: str | os.PathLike[str]) -> Iterator[BinaryIO]:
     Raises
     ------
     MeshdepictError
-        For a file that is missing, forbidden, empty, a folder, or damaged as gzip: one sentence.
+        For a file that is missing, forbidden, empty, a folder, a named pipe, a device, damaged as
+        gzip, or a bomb: one sentence.
     """
+    regular(path)
     try:
         with Path(path).open("rb") as file:
             start = file.peek(2)[:2]
             if not start:
                 raise MeshdepictError(f"{path} is empty")
             if start == b"\x1f\x8b":
-                with gzip.GzipFile(fileobj=file) as unpacked:
-                    yield io.BufferedReader(unpacked)
+                with unpacked(file, path) as contents:
+                    yield contents
             else:
                 yield file
     except FileNotFoundError:
