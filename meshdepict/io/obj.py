@@ -15,6 +15,7 @@ from meshdepict.files.mark import MARK
 from meshdepict.io import text
 from meshdepict.io.obj_faces import parse_faces
 from meshdepict.io.obj_lines import Lines, joined, line_end, table
+from meshdepict.shapes.colors import after_position
 from meshdepict.shapes.document import (
     COLOR,
     Contents,
@@ -85,10 +86,12 @@ def decode(data: bytes, path: Path) -> Contents:
         lambda: lines.before(b"f", b"v"),
         lambda: lines.before(b"f", b"vt"),
     )
-    texture = table(lines, b"vt", least=2)[:, :2]
+    texture = table(lines, b"vt", least=1)
+    texture = np.concatenate((texture, np.zeros_like(texture)), axis=1)[:, :2]  # v is 0 by default
+    colors = after_position(numbers[:, 3:], w_first=True)
     attributes = {}
-    if numbers.shape[1] >= 6:
-        attributes["vertex"] = dict(zip(COLOR, as_bytes(numbers[:, 3:6]).T, strict=True))
+    if colors is not None:
+        attributes["vertex"] = dict(zip((*COLOR, "alpha"), as_bytes(colors).T, strict=False))
     document = ObjDocument(
         provenance=provenance(io.BytesIO(data)),
         data=data,
