@@ -23,6 +23,7 @@ from meshdepict.shapes.document import (
     Saving,
     as_bytes,
     only_colors,
+    same_vertices,
 )
 from meshdepict.surface.polygons import Polygons, as_polygons
 
@@ -52,7 +53,7 @@ class ObjDocument(Document):
 
     def describes(self, vertices: NDArray[np.float64] | None, polygons: Polygons) -> bool:
         """Whether these are the file's vertices (if given) and polygons, not changed ones."""
-        same = vertices is None or np.array_equal(vertices, self.vertices)
+        same = same_vertices(vertices, self.vertices)
         return same and all(map(np.array_equal, self.polygons, polygons))
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO
@@ -14,16 +14,17 @@ from numpy.typing import NDArray
 from meshdepict.errors import MeshdepictWarning
 from meshdepict.io.ply_binary import encode_binary
 from meshdepict.io.ply_document import (
-    POSITION,
     PlyDocument,
     Section,
     geometry_of,
     hold,
     index_list,
+    is_grid,
     line_end,
     split_sections,
 )
 from meshdepict.io.ply_header import (
+    POSITION,
     Element,
     Header,
     Property,
@@ -61,13 +62,10 @@ def decode(data: bytes, path: Path) -> Contents:
     """
     header = parse_header(data)
     sections, rest = split_sections(header, data)
-    if rest.strip():
-        warnings.warn(
-            f"{path} goes on after what its PLY header declares; the rest is kept but not read",
-            MeshdepictWarning,
-            stacklevel=2,
-        )
-    vertices, faces = geometry_of(sections)
+    vertices, faces = geometry_of(header, sections)
+    said = list(_notes(sections, rest))
+    if said:
+        warnings.warn(f"{path} {'; '.join(said)}", MeshdepictWarning, stacklevel=2)
     attributes = {"vertex": _attributes(sections["vertex"], POSITION)}
     if "face" in sections and "tristrips" not in sections:
         # Texture coordinates belong to corners: they stay with the document.
@@ -75,6 +73,18 @@ def decode(data: bytes, path: Path) -> Contents:
         attributes["face"] = _attributes(sections["face"], corners)
     document = PlyDocument(provenance=header.provenance, header=header, data=data)
     return Contents(vertices, faces, attributes, document)
+
+
+def _notes(sections: Mapping[str, Section], rest: bytes) -> Iterator[str]:
+    """Yield what is odd about a file, its name being the subject."""
+    if rest.strip():
+        yield "goes on after what its PLY header declares; the rest is kept but not read"
+    if is_grid(sections):
+        yield "holds a range grid: neighbours in it make its triangles"
+    for name, section in sections.items():
+        for item, word in section.odd.items():
+            done = "taken as NaN" if item in section.columns else "kept but not read"
+            yield f"has {word!r} for a number in {item!r} of {name}: {done}"
 
 
 def _attributes(section: Section, without: tuple[str, ...]) -> dict[str, NDArray[Any]]:
@@ -94,7 +104,7 @@ def encode(file: BinaryIO, mesh: Mesh, saving: Saving) -> None:
     document = mesh.document
     if isinstance(document, PlyDocument):
         sections, rest = split_sections(document.header, document.data)
-        if hold(sections, mesh.vertices, polygons):
+        if hold(document.header, sections, mesh.vertices, polygons):
             _write_edited(file, mesh, saving, document.header, sections)
             file.write(rest)
             return

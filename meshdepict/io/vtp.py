@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from meshdepict.errors import MeshdepictError, MeshdepictWarning
 from meshdepict.files.vtk_errors import vtk_errors
 from meshdepict.io.ply_properties import exact_float
-from meshdepict.shapes.document import COLOR, Contents, Document, Saving, recolored
+from meshdepict.shapes.document import COLOR, Contents, Document, Saving, recolored, same_vertices
 from meshdepict.surface.polygons import Polygons, as_polygons
 
 if TYPE_CHECKING:
@@ -38,7 +38,7 @@ class VtpDocument(Document):
     def describes(self, vertices: NDArray[np.float64] | None, polygons: Polygons) -> bool:
         """Whether these are the file's vertices (if given) and polygons, not changed ones."""
         own_vertices, own_polygons, _ = _geometry(_polydata(self.data))
-        same = vertices is None or np.array_equal(vertices, own_vertices)
+        same = same_vertices(vertices, own_vertices)
         return same and all(map(np.array_equal, own_polygons, polygons))
 
 

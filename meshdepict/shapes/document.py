@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshdepict.errors import MeshdepictWarning
+from meshdepict.surface.mesh_input import is_drawable
 
 if TYPE_CHECKING:
     from meshdepict.surface.polygons import Polygons
@@ -24,6 +25,7 @@ __all__ = [
     "new_names",
     "only_colors",
     "recolored",
+    "same_vertices",
 ]
 
 COLOR = ("red", "green", "blue")
@@ -65,6 +67,18 @@ class Document:
     def describes(self, vertices: NDArray[np.float64] | None, polygons: Polygons) -> bool:
         """Whether these are the file's vertices (if given) and polygons, not changed ones."""
         return False
+
+
+def same_vertices(vertices: NDArray[np.float64] | None, own: NDArray[Any]) -> bool:
+    """Whether a mesh has a file's vertices; None stands for any.
+
+    Where a file has none that can be drawn, because no face uses it, a mesh has some position.
+    """
+    if vertices is None or np.array_equal(vertices, own):
+        return True
+    return vertices.shape == own.shape and bool(
+        ((vertices == own) | ~is_drawable(own)[:, None]).all()
+    )
 
 
 def new_names(names: Iterable[str], *, ours: bool, keep: bool) -> dict[str, str]:

@@ -14,7 +14,12 @@ from meshdepict.errors import MeshdepictError, MeshdepictWarning
 from meshdepict.scene.vectors import frozen
 from meshdepict.shapes.fingerprint import fingerprint
 from meshdepict.surface import triangles
-from meshdepict.surface.mesh_input import check_indices, checked_attributes, checked_vertices
+from meshdepict.surface.mesh_input import (
+    as_vertices,
+    check_indices,
+    checked_attributes,
+    place_strays,
+)
 from meshdepict.surface.polygons import as_polygons, triangulate
 from meshdepict.surface.welding import normal_groups, same_position
 
@@ -49,7 +54,8 @@ class Mesh:
     Raises
     ------
     MeshdepictError
-        For an empty mesh, wrong shapes, NaN or infinite vertices, an index out of range.
+        For an empty mesh, wrong shapes, an index out of range, and NaN or infinite vertices that
+        faces use.
     """
 
     kind = "mesh"
@@ -63,7 +69,7 @@ class Mesh:
         winding: str = "auto",
         document: object = None,
     ) -> None:
-        self.vertices = checked_vertices(vertices)
+        self.vertices = as_vertices(vertices)
         polygons = as_polygons(faces)
         if len(polygons.connectivity) == 0:
             raise MeshdepictError(
@@ -71,6 +77,15 @@ class Mesh:
                 "surface; reconstruct one from the points first"
             )
         check_indices(polygons, len(self.vertices))
+        used = np.zeros(len(self.vertices), bool)
+        used[polygons.connectivity] = True
+        if strays := place_strays(self.vertices, used):
+            warnings.warn(
+                f"{strays:,} vertices that no face uses are NaN, infinite or too far away: they "
+                "are left out",
+                MeshdepictWarning,
+                stacklevel=2,
+            )
         if winding not in ("auto", "keep"):
             raise MeshdepictError(f"winding={winding!r} is neither 'auto' nor 'keep'")
         self.faces, self._owner = triangulate(self.vertices, polygons)
