@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import math
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, BinaryIO
@@ -33,7 +34,8 @@ if TYPE_CHECKING:
 __all__ = ["ObjDocument", "decode", "encode", "provenance"]
 
 _COMMENT = f"# {MARK}".encode()
-_FRACTIONS = [f"{level / 255:.6f}" for level in range(256)]
+# Rounded up: some programs cut off what is behind the point when they make bytes of them again.
+_FRACTIONS = [f"{math.ceil(level * 1e6 / 255) / 1e6:.6f}" for level in range(256)]
 
 
 @dataclass(frozen=True, kw_only=True)

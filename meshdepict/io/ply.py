@@ -34,7 +34,7 @@ from meshdepict.io.ply_header import (
 )
 from meshdepict.io.ply_properties import as_properties, exact_float
 from meshdepict.io.ply_rows import Column, Ragged
-from meshdepict.io.ply_text import rewrite_text
+from meshdepict.io.ply_text import encode_text, rewrite_text
 from meshdepict.shapes.document import COLOR, Contents, Document, Saving, new_names, recolored
 from meshdepict.surface.polygons import Polygons, as_polygons
 
@@ -160,40 +160,49 @@ def _edited(
 
 
 def _write_fresh(file: BinaryIO, mesh: Mesh, polygons: Polygons, saving: Saving) -> None:
-    """Write a new file, binary and little-endian."""
+    """Write a new file that every reader we know of reads.
+
+    Binary and little-endian where all polygons have as many corners; else ASCII, because trimesh
+    refuses binary lists of several lengths. Texture coordinates are lists of the faces where these
+    are triangles; those of others crash PyVista and PyMeshLab, so they become an element "corner"
+    with a row for each corner of the faces, NaN where it has none, which readers skip.
+    """
     document = mesh.document if isinstance(mesh.document, Document) else Document()
     attributes = recolored(mesh.attributes["vertex"], saving, ours=bool(document.provenance))
     extra, columns = as_properties(attributes, taken=POSITION)
     kind = exact_float(mesh.vertices)
     properties = [*(Property(name, kind) for name in POSITION), *extra]
     vertex = Element("vertex", len(mesh.vertices), tuple(properties))
-    positions = dict(zip(POSITION, mesh.vertices.T, strict=True))
-
+    tables: list[tuple[Element, Mapping[str, Column]]] = [
+        (vertex, dict(zip(POSITION, mesh.vertices.T, strict=True)) | columns)
+    ]
     sizes = np.diff(polygons.offsets)
     largest = int(sizes.max())
+    even = bool((sizes == largest).all())
     properties = [Property("vertex_indices", "i4", "u1" if largest < 256 else "i4")]
     lists: dict[str, Column] = {"vertex_indices": Ragged(*polygons)}
-    if (sizes == largest).all():
+    if even:
         lists["vertex_indices"] = polygons.connectivity.reshape(-1, largest)
+    corners = None
     if (own := document.texcoords) and document.describes(None, polygons):
-        texcoords = _corner_texcoords(*own, polygons)
-        kind = exact_float(texcoords.values)
-        properties.append(Property("texcoord", kind, "u1" if largest < 128 else "i4"))
-        lists["texcoord"] = texcoords
+        texcoords, corner = own
+        kind = exact_float(texcoords)
+        if even and largest == 3 and (corner >= 0).all():
+            properties.append(Property("texcoord", kind, "u1"))
+            lists["texcoord"] = texcoords[corner].reshape(-1, 6)
+        else:
+            items = tuple(Property(name, kind) for name in ("s", "t"))
+            corners = Element("corner", len(corner), items)
+            rows = np.where(corner[:, None] >= 0, texcoords[corner], np.nan)
     extra, more = as_properties(mesh.attributes["face"], taken=lists)
     face = Element("face", len(polygons.offsets) - 1, (*properties, *extra))
+    tables.append((face, lists | more))
+    if corners is not None:
+        tables.append((corners, dict(zip(("s", "t"), rows.T, strict=True))))
 
-    file.write(fresh_header((vertex, face), saving.comments))
-    file.write(encode_binary(vertex, positions | columns, "<").data)
-    file.write(encode_binary(face, lists | more, "<").data)
-
-
-def _corner_texcoords(
-    texcoords: NDArray[np.float64], corner: NDArray[np.int64], polygons: Polygons
-) -> Ragged:
-    """Return u, v of every corner as one list per polygon, empty where a corner has none."""
-    sizes = np.diff(polygons.offsets)
-    whole = np.add.reduceat(np.append(corner < 0, False), polygons.offsets[:-1]) == 0
-    chosen = np.repeat(whole, sizes)
-    values = texcoords[corner[chosen]].reshape(-1)
-    return Ragged(values, np.concatenate(([0], np.cumsum(np.where(whole, 2 * sizes, 0)))))
+    file.write(fresh_header([element for element, _ in tables], saving.comments, in_words=not even))
+    for element, held in tables:
+        if even:
+            file.write(encode_binary(element, held, "<").data)
+        else:
+            file.write(encode_text(element, held))

@@ -67,6 +67,11 @@ class PlyDocument(Document):
         corner = np.repeat(fitting, sizes)
         return values, np.where(corner, np.cumsum(corner) - 1, -1)
 
+    @property
+    def has_strips(self) -> bool:
+        """Whether triangle strips are among the file's faces."""
+        return any(item.name == "tristrips" and item.count for item in self.header.elements)
+
     def describes(self, vertices: NDArray[np.float64] | None, polygons: Polygons) -> bool:
         """Whether these are the file's vertices (if given) and polygons, not changed ones."""
         sections = split_sections(self.header, self.data)[0]
@@ -81,6 +86,8 @@ def _of_corners(
         return None
     values = np.stack([corner.columns[name] for name in ("s", "t")], axis=1).astype(np.float64)
     known = np.isfinite(values).all(axis=1)
+    if not known.any():
+        return None
     return values[known], np.where(known, np.cumsum(known) - 1, -1)
 
 

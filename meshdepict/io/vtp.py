@@ -35,6 +35,11 @@ class VtpDocument(Document):
 
     data: bytes
 
+    @property
+    def has_strips(self) -> bool:
+        """Whether triangle strips are among the file's faces."""
+        return bool(_polydata(self.data).GetNumberOfStrips())
+
     def describes(self, vertices: NDArray[np.float64] | None, polygons: Polygons) -> bool:
         """Whether these are the file's vertices (if given) and polygons, not changed ones."""
         own_vertices, own_polygons, _ = _geometry(_polydata(self.data))

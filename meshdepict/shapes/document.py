@@ -64,6 +64,11 @@ class Document:
         """(t, 2) texture coordinates, and which of them each corner has (−1: none), or None."""
         return None
 
+    @property
+    def has_strips(self) -> bool:
+        """Whether triangle strips are among the file's faces."""
+        return False
+
     def describes(self, vertices: NDArray[np.float64] | None, polygons: Polygons) -> bool:
         """Whether these are the file's vertices (if given) and polygons, not changed ones."""
         return False

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from meshdepict.errors import MeshdepictError, MeshdepictWarning
 from meshdepict.scene.vectors import frozen
+from meshdepict.shapes.document import Document
 from meshdepict.shapes.fingerprint import fingerprint
 from meshdepict.surface import triangles
 from meshdepict.surface.mesh_input import (
@@ -282,17 +283,7 @@ class Mesh:
         flipped = self.orientation.flipped
         if not flipped.any():
             return self
-        from meshdepict.shapes.document import Document
-
-        kept = None
-        if isinstance(self.document, Document):
-            kept = Document(provenance=self.document.provenance)
-            if self.document.texcoords is not None:
-                warnings.warn(
-                    "texture coordinates are lost where faces are turned",
-                    MeshdepictWarning,
-                    stacklevel=2,
-                )
+        kept = self._provenance_alone("faces are turned")
         polygons = self.polygons or as_polygons(self.faces)
         # Degenerate triangles are never turned: a polygon goes the way of most of its area.
         a, b, c = (self._unit_points[corner] for corner in self.faces.T)
@@ -306,6 +297,36 @@ class Mesh:
             winding="keep",
             document=kept,
         )
+
+    def as_triangles(self) -> Mesh:
+        """Return the mesh with the triangles that are shaded as its faces; itself if they are.
+
+        Polygons and strips of a file become triangles, their data each triangle's. Vertices stay;
+        what else the file held is left behind, texture coordinates with a warning.
+        """
+        strips = isinstance(self.document, Document) and self.document.has_strips
+        if self.polygons is None and not strips:
+            return self
+        return Mesh(
+            self.vertices,
+            self.faces,
+            attributes={
+                "vertex": self.attributes["vertex"],
+                "face": {n: values[self._owner] for n, values in self.attributes["face"].items()},
+            },
+            winding=self.winding,
+            document=self._provenance_alone("polygons become triangles"),
+        )
+
+    def _provenance_alone(self, where: str) -> Document | None:
+        """Return what of its file's document fits other faces, too."""
+        if not isinstance(self.document, Document):
+            return None
+        if self.document.texcoords is not None:
+            warnings.warn(
+                f"texture coordinates are lost where {where}", MeshdepictWarning, stacklevel=3
+            )
+        return Document(provenance=self.document.provenance)
 
     # --- what shading needs -----------------------------------------------------------------
 
