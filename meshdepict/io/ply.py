@@ -163,9 +163,10 @@ def _write_fresh(file: BinaryIO, mesh: Mesh, polygons: Polygons, saving: Saving)
     """Write a new file that every reader we know of reads.
 
     Binary and little-endian where all polygons have as many corners; else ASCII, because trimesh
-    refuses binary lists of several lengths. Texture coordinates are lists of the faces where these
-    are triangles; those of others crash PyVista and PyMeshLab, so they become an element "corner"
-    with a row for each corner of the faces, NaN where it has none, which readers skip.
+    refuses binary lists of several lengths. Texture coordinates are an element "corner" with a row
+    for each corner of the faces, NaN where it has none, which readers skip: as a second list of the
+    faces they part colours from vertices (trimesh) and are refused, or end the program, with
+    other polygons than triangles (PyMeshLab, PyVista).
     """
     document = mesh.document if isinstance(mesh.document, Document) else Document()
     attributes = recolored(mesh.attributes["vertex"], saving, ours=bool(document.provenance))
@@ -186,14 +187,9 @@ def _write_fresh(file: BinaryIO, mesh: Mesh, polygons: Polygons, saving: Saving)
     corners = None
     if (own := document.texcoords) and document.describes(None, polygons):
         texcoords, corner = own
-        kind = exact_float(texcoords)
-        if even and largest == 3 and (corner >= 0).all():
-            properties.append(Property("texcoord", kind, "u1"))
-            lists["texcoord"] = texcoords[corner].reshape(-1, 6)
-        else:
-            items = tuple(Property(name, kind) for name in ("s", "t"))
-            corners = Element("corner", len(corner), items)
-            rows = np.where(corner[:, None] >= 0, texcoords[corner], np.nan)
+        items = tuple(Property(name, exact_float(texcoords)) for name in ("s", "t"))
+        corners = Element("corner", len(corner), items)
+        rows = np.where(corner[:, None] >= 0, texcoords[corner], np.nan)
     extra, more = as_properties(mesh.attributes["face"], taken=lists)
     face = Element("face", len(polygons.offsets) - 1, (*properties, *extra))
     tables.append((face, lists | more))

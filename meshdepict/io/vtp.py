@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -13,6 +14,7 @@ from numpy.typing import NDArray
 
 from meshdepict.errors import MeshdepictError, MeshdepictWarning
 from meshdepict.files.vtk_errors import vtk_errors
+from meshdepict.files.xml_claims import check_xml
 from meshdepict.io.ply_properties import exact_float
 from meshdepict.shapes.document import COLOR, Contents, Document, Saving, recolored, same_vertices
 from meshdepict.surface.polygons import Polygons, as_polygons
@@ -82,10 +84,14 @@ def decode(data: bytes, path: Path) -> Contents:
 def _polydata(data: bytes) -> Any:
     from vtkmodules.vtkIOXML import vtkXMLPolyDataReader
 
-    if not data.rstrip().endswith(b"</VTKFile>"):
+    data = data.rstrip(b"\0 \t\r\n")
+    if not re.search(rb"</VTKFile\s*>\Z", data[-100:]):
         raise MeshdepictError("is cut off: it doesn't end with </VTKFile>")
-    if b'type="PolyData"' not in data[:4096]:
-        raise MeshdepictError("holds other VTK data than PolyData; extract its surface first")
+    kind = check_xml(data).kind
+    if kind != "PolyData":
+        raise MeshdepictError(
+            f"holds other VTK data than PolyData ({kind[:40]!r}); extract its surface first"
+        )
     reader: Any = vtkXMLPolyDataReader()
     reader.SetReadFromInputString(True)  # noqa: FBT003
     reader.SetInputString(data)

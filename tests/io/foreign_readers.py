@@ -26,7 +26,7 @@ def with_trimesh(path: str) -> tuple[Any, Any, int]:
     mesh = trimesh.load(path, process=False, force="mesh")
     colors = mesh.visual.vertex_colors if mesh.visual.kind == "vertex" else None
     if mesh.visual.kind == "texture":
-        colors = mesh.visual.vertex_attributes.get("color")
+        colors = mesh.vertex_attributes.get("color")
     return mesh.vertices, colors, len(mesh.faces)
 
 

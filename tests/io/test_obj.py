@@ -175,17 +175,7 @@ def test_own_colours_that_are_lost_are_warned_of(obj, tmp_path):
 # --- texture coordinates ------------------------------------------------------------------------
 
 
-def test_texture_coordinates_of_triangles_become_lists_in_ply(obj, tmp_path):
-    mesh = obj(SQUARE + "vt 0 0\nvt 0.5 0\nvt 1 1\nf 1/1 2/2 3/3\nf 1/-3 3/-1 4/2\n")
-    path = tmp_path / "mesh.ply"
-    write_mesh(path, mesh)
-    theirs = plyfile.PlyData.read(str(path), mmap=False)["face"]
-    assert np.stack(theirs["texcoord"]).tolist() == [[0, 0, 0.5, 0, 1, 1], [0, 0, 1, 1, 0.5, 0]]
-    texture, corner = read_mesh(path).document.texcoords
-    assert texture[corner].tolist() == [[0, 0], [0.5, 0], [1, 1], [0, 0], [1, 1], [0.5, 0]]
-
-
-def test_texture_coordinates_of_other_polygons_become_an_element_in_ply(obj, tmp_path):
+def test_texture_coordinates_become_an_element_in_ply(obj, tmp_path):
     mesh = obj(
         SQUARE + "vt 0 0\nvt 0.5 0 0\nvt 1 1\n"
         "f 1/1 2/2 3/3\nf 1 2 3\nf 1/-3 2/2 3/-1 4/1\nf 1/1 2 3/3\nf 1/1 2/9 3/3\n"

@@ -14,6 +14,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from odd_ply import random_colors
+from scipy.spatial import cKDTree
 
 from meshdepict.io import read_mesh, write_mesh
 from meshdepict.shapes.mesh import Mesh
@@ -156,8 +157,8 @@ def test_others_read_all_vertices_colours_and_faces(outputs, reader):
         expected = polygons if reader in KEEPS_POLYGONS else len(mesh.faces)
         assert row["faces"] == expected, path.name
         used = np.unique(mesh.faces)
-        positions = {tuple(p) for p in np.float32(mesh.vertices[used]).tolist()}
-        assert positions <= {tuple(p) for p in np.float32(row["points"]).tolist()}, path.name
+        distance, _ = cKDTree(row["points"]).query(mesh.vertices[used])
+        assert distance.max() < 1e-5, path.name  # OBJ and GLB, as they read them: single precision
         textured_obj = path.suffix == ".obj" and "textured" in path.name
         if READS[reader][path.suffix] and not (reader == "trimesh" and textured_obj):
             assert row["colors"] is not None, path.name
