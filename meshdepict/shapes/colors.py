@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from meshdepict.color.encoding import linear_to_srgb, srgb_to_linear
+from meshdepict.color.srgb import linear_to_srgb, srgb_to_linear
 from meshdepict.errors import MeshdepictWarning
 from meshdepict.shapes.document import COLOR, as_bytes
 

@@ -25,8 +25,8 @@ from meshdepict.surface.polygons import as_polygons, triangulate
 from meshdepict.surface.welding import normal_groups, same_position
 
 if TYPE_CHECKING:
-    from meshdepict.surface.gaps import Closed
     from meshdepict.surface.orientation import Orientation
+    from meshdepict.surface.sides import Sides
 
 __all__ = ["Mesh"]
 
@@ -196,37 +196,27 @@ class Mesh:
     # --- orientation ------------------------------------------------------------------------
 
     @cached_property
-    def _is_balanced(self) -> bool:
-        """Whether the surface is closed and its faces agree, bit for bit and as they are wound."""
-        from meshdepict.surface.edges import is_balanced
+    def _sides(self) -> Sides:
+        from meshdepict.surface.sides import Sides
 
-        return is_balanced(self.faces, len(self.vertices))
-
-    @cached_property
-    def _gaps(self) -> Closed | None:
-        """The private points with gaps as wide as rounding closed; None: there are none."""
-        if self._is_balanced:
-            return None
-        from meshdepict.surface.gaps import closed_gaps
-
-        with np.errstate(over="ignore"):
-            single = np.array_equal(self.vertices.astype(np.float32), self.vertices)
-        # Far from the origin, single precision is coarse: some of its steps at the largest number.
-        steps = _STEPS * float(np.finfo(np.float32).eps * np.abs(self.vertices).max())
-        rounding = steps / (self.diagonal or 1.0) if single else 0.0
-        return closed_gaps(self._unit_points, self.faces, rounding=rounding)
+        found = Sides(
+            self._unit_points,
+            self.faces,
+            turn=self.winding == "auto",
+            rounding=self._rounding / (self.diagonal or 1.0),
+            unit=self.diagonal or 1.0,
+        )
+        if found.message:
+            warnings.warn(found.message, MeshdepictWarning, stacklevel=4)
+        return found
 
     @property
-    def _joined_points(self) -> Floats:
-        """The private points, those that differ by rounding along open edges at one position."""
-        return self._unit_points if self._gaps is None else self._gaps.points
-
-    @cached_property
-    def _other_sides(self) -> NDArray[np.bool_] | None:
-        """The faces that repeat an earlier one with the other winding; None: there are none."""
-        from meshdepict.surface.doubling import other_sides
-
-        return other_sides(self._joined_points, self.faces)
+    def _rounding(self) -> float:
+        """How far off coordinates are in single precision: far from the origin, visibly so."""
+        with np.errstate(over="ignore"):
+            if not np.array_equal(self.vertices.astype(np.float32), self.vertices):
+                return 0.0
+        return _STEPS * float(np.finfo(np.float32).eps * np.abs(self.vertices).max())
 
     @cached_property
     def orientation(self) -> Orientation:
@@ -234,45 +224,13 @@ class Mesh:
 
         A face that is there with both windings turns with the side that is shaded.
         """
-        from meshdepict.surface.orientation import Orientation, orient
+        from meshdepict.surface.orientation import Orientation
 
-        others = self._other_sides
-        if self.winding == "keep":
-            found = Orientation(np.zeros(len(self.faces), bool), None)
-        else:
-            known = self._is_balanced if others is None else None
-            found = orient(self._joined_points, self._one_sided_faces, balanced=known)
-        said = [found.message] if found.message else []
-        if self._gaps is not None:
-            widest = self._gaps.widest * (self.diagonal or 1.0)
-            said.append(
-                f"{self._gaps.corners:,} corners at open edges differ from their neighbours' by "
-                f"rounding ({widest:.2g} at most): each such gap is closed for shading"
-            )
-        if others is not None:
-            said.append(
-                f"{int(others.sum()):,} faces are there twice, with both windings: "
-                "one side of them is shaded"
-            )
-        if not said:
-            return found
-        message = "; ".join(said)
-        warnings.warn(message, MeshdepictWarning, stacklevel=3)
-        return Orientation(found.flipped, message)
-
-    @property
-    def _one_sided_faces(self) -> NDArray[np.int64]:
-        return self._turned(self._other_sides)
+        return Orientation(self._sides.flipped, self._sides.message)
 
     @cached_property
     def _outward_faces(self) -> NDArray[np.int64]:
-        flipped, others = self.orientation.flipped, self._other_sides
-        return frozen(self._turned(flipped if others is None else flipped ^ others))
-
-    def _turned(self, which: NDArray[np.bool_] | None) -> NDArray[np.int64]:
-        if which is None or not which.any():
-            return self.faces
-        return np.where(which[:, None], self.faces[:, ::-1], self.faces)
+        return frozen(self._sides.faces)
 
     def rewound(self) -> Mesh:
         """Return the mesh with its faces themselves turned outwards; itself where they are.
@@ -362,7 +320,7 @@ class Mesh:
 
         Groups are numbered from 0 without gaps.
         """
-        position = same_position(self._joined_points)
+        position = same_position(self._sides.points)
         if position is None:
             return None
         return normal_groups(
