@@ -14,7 +14,7 @@ _UNSEEN = re.compile(r"[\x00-\x1f\x7f-\x9f\u200e\u200f\u2028-\u202e\u2066-\u2069
 def printable(text: str, *, keep: str = "") -> str:
     r"""Return a text with the characters that steer a terminal spelled out: ``\x1b`` for ESC.
 
-    Names in a file, and names of files, are somebody else's words.
+    Names in a file, and names of files, are somebody else's words. Line ends become blanks.
 
     Parameters
     ----------
@@ -26,7 +26,7 @@ def printable(text: str, *, keep: str = "") -> str:
 
 
 def _spelled(letter: str) -> str:
-    return letter.encode("unicode_escape").decode()
+    return " " if letter in "\t\n\v\f\r" else letter.encode("unicode_escape").decode()
 
 
 def _words(arguments: tuple[object, ...]) -> tuple[object, ...]:
