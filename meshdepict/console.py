@@ -9,17 +9,22 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from meshdepict.errors import MeshdepictWarning
+from meshdepict.errors import MeshdepictWarning, printable
 
-__all__ = ["FAULT", "about", "complain", "notes", "progress_bar"]
+__all__ = ["FAULT", "about", "complain", "notes", "progress_bar", "say"]
 
 FAULT = 2  # exit status of wrong input
 _PATIENCE = 0.5  # seconds without a sign of life
 
 
+def say(text: str, *, end: str = "\n") -> None:
+    """Print lines on stdout; names in them, which are other people's, steer no terminal."""
+    print(printable(text, keep="\n"), end=end, flush=True)  # noqa: T201
+
+
 def complain(message: object) -> None:
     """Print one line on stderr."""
-    line = " ".join(str(message).split())
+    line = printable(" ".join(str(message).split()))
     print(f"meshdepict: {line}", file=sys.stderr, flush=True)  # noqa: T201
 
 
@@ -32,16 +37,34 @@ def about(path: Path | None, message: object) -> str:
 
 @contextmanager
 def notes(path: Path | None = None, *, quiet: bool) -> Iterator[None]:
-    """Print this package's warnings as one line each, and none of other packages."""
+    """Print this package's warnings, those about one file as one line, and none of other packages.
+
+    What is about a file waits for the end of the work on it; without a path each is shown at once.
+    """
+    waiting: dict[str, None] = {}  # in order, each once
 
     def show(message: Warning | str, category: type[Warning], *_: object, **__: object) -> None:
-        if issubclass(category, MeshdepictWarning) and not quiet:
-            complain(f"note: {about(path, message)}")
+        if not issubclass(category, MeshdepictWarning) or quiet:
+            return
+        if path is None:
+            complain(f"note: {message}")
+        else:
+            waiting[str(message)] = None
 
-    with warnings.catch_warnings():
-        warnings.simplefilter("always")
-        warnings.showwarning = show
-        yield
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("always")
+            warnings.showwarning = show
+            yield
+    finally:
+        if waiting:
+            first, *others = waiting
+            complain("; ".join([f"note: {about(path, first)}", *(_after(path, o) for o in others)]))
+
+
+def _after(path: Path | None, message: str) -> str:
+    """Return a message without the file's name in front, where that has been said."""
+    return message.removeprefix(f"{path}: ").removeprefix(f"{path} ")
 
 
 @contextmanager
@@ -58,7 +81,7 @@ def progress_bar(label: str, *, quiet: bool) -> Iterator[Callable[[float, float]
 
     columns = (TextColumn("{task.description}", markup=False), BarColumn(), TimeRemainingColumn())
     bar = Progress(*columns, console=Console(stderr=True), transient=True)
-    task = bar.add_task(label, total=None)
+    task = bar.add_task(printable(label), total=None)
     timer = threading.Timer(_PATIENCE, bar.start)
     timer.daemon = True
     timer.start()

@@ -8,7 +8,7 @@ from __future__ import annotations
 import os
 import time
 import warnings
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from os.path import exists, isdir, realpath  # unlike Path's, these never raise
@@ -19,11 +19,11 @@ from meshdepict.baking.baked import Baked
 from meshdepict.baking.look import Look
 from meshdepict.baking.surfaces import bake_surface
 from meshdepict.baking.targets import check_target
-from meshdepict.console import about, complain, notes, progress_bar
+from meshdepict.console import about, complain, notes, progress_bar, say
 from meshdepict.drawing.figure import Figure
 from meshdepict.drawing.framing import check_scale, frame
 from meshdepict.drawing.picture import check_picture, save_picture
-from meshdepict.errors import MeshdepictError
+from meshdepict.errors import MeshdepictError, MeshdepictWarning
 from meshdepict.io import read_mesh
 from meshdepict.io.source import FORMATS, WRITABLE, suffix_of
 from meshdepict.shapes import samples
@@ -64,6 +64,8 @@ class Batch:
     winding : {"auto", "keep"}
     fix_winding : bool
         Whether turned faces are written.
+    triangles : bool
+        Whether polygons and strips are written as triangles.
     force : bool
         Whether to replace files that this program didn't write.
     quiet : bool
@@ -76,6 +78,7 @@ class Batch:
     figure: Figure = field(default_factory=Figure)
     winding: str = "auto"
     fix_winding: bool = False
+    triangles: bool = False
     force: bool = False
     quiet: bool = False
 
@@ -111,7 +114,7 @@ class Batch:
         done = 0
         for job in jobs.values():
             try:
-                print(self._bake(job), flush=True)  # noqa: T201
+                say(self._bake(job))
                 done += 1
             except MeshdepictError as error:
                 complain(about(job.source, error))
@@ -156,20 +159,32 @@ class Batch:
             mesh = self._read(job.source)
             if self.fix_winding:
                 mesh = mesh.rewound()
+            if self.triangles:
+                mesh = mesh.as_triangles()
             if job.picture:
                 self._check_fit(mesh)
             baked = bake_surface(mesh, self.look, progress=progress)
             baked.save(job.output)
             if job.picture:
                 save_picture(baked, job.picture, self.figure)
+            for text in self._remarks(baked, job.output):
+                warnings.warn(text, MeshdepictWarning, stacklevel=2)
+        return _caption(job, baked, time.perf_counter() - start)
+
+    def _remarks(self, baked: Baked, output: Path) -> Iterator[str]:
+        """Yield what is to be known about an output."""
         error = None if self.quiet else baked.edge_error
         if error is not None and error.rms > _VISIBLE:
-            text = (
+            yield (
                 f"colours between vertices are off by {error.rms:.0f} of 255 grey levels (rms), at "
                 f"{error.share:.0%} of the edges by more than 2: --refine 2 splits triangles there"
             )
-            complain(f"note: {about(job.source, text)}")
-        return _caption(job, baked, time.perf_counter() - start)
+        strips = getattr(baked.shape.document, "has_strips", False)
+        if strips and suffix_of(output) == ".ply":
+            yield (
+                "its triangle strips stay strips, of which PyVista and trimesh read the vertices "
+                "only: --triangles writes faces"
+            )
 
 
 def check_look(look: Look) -> None:

@@ -132,19 +132,16 @@ def as_mesh(shape: Any) -> Mesh:
 
 def own_colors(mesh: Mesh) -> NDArray[np.uint8]:
     """Return the mesh's own vertex colours; those a former bake set aside come first."""
-    from meshdepict.shapes.document import as_bytes
+    from meshdepict.shapes.colors import vertex_colors
 
-    vertex, baked = mesh.attributes["vertex"], was_baked(mesh)
-    candidates = [("original_red", "original_green", "original_blue")]
-    if not baked:  # else red, green and blue are the former bake's
-        candidates.append(("red", "green", "blue"))
-    for names in candidates:
-        if all(name in vertex for name in names):
-            return as_bytes(np.stack([vertex[name] for name in names], axis=1))
-    raise MeshdepictError(
-        "albedo='keep' needs the object's own vertex colours (red, green, blue); the mesh has "
-        + ("only those of a former bake" if baked else "none")
-    )
+    baked = was_baked(mesh)
+    found = vertex_colors(mesh, baked=baked)
+    if found is None:
+        raise MeshdepictError(
+            "albedo='keep' needs the object's own vertex colours (red, green, blue); the mesh has "
+            + ("only those of a former bake" if baked else "none")
+        )
+    return found
 
 
 def refuse_other_scales(space: ScaleSpace, chosen: Choices) -> None:

@@ -22,6 +22,7 @@ def bake(
     picture: Annotated[str | None, Parameter(group=FILES)] = None,
     winding: Annotated[Literal["auto", "keep"], Parameter(group=FILES)] = "auto",
     fix_winding: Annotated[bool, Parameter(group=FILES, show_default=False)] = False,
+    triangles: Annotated[bool, Parameter(group=FILES, show_default=False)] = False,
     force: Annotated[bool, Parameter(group=FILES, show_default=False)] = False,
     recipe: Annotated[str | None, Parameter(group=FILES)] = None,
     save_recipe: Annotated[str | None, Parameter(group=FILES)] = None,
@@ -43,6 +44,8 @@ def bake(
         auto: turn faces that look inwards before shading; keep: believe the file.
     fix_winding
         Write the turned faces, too, with vertex and face properties but nothing else of the file.
+    triangles
+        Write polygons and triangle strips as the triangles that are shaded.
     force
         Replace existing files that meshdepict didn't write, the input among them.
     recipe
@@ -67,6 +70,7 @@ def bake(
         wanted.save(save_recipe, force=force)
     batch = Batch(
         inputs=inputs, look=wanted, output=output, picture=picture, figure=pictures,
-        winding=winding, fix_winding=fix_winding, force=force, quiet=everywhere.quiet,
+        winding=winding, fix_winding=fix_winding, triangles=triangles, force=force,
+        quiet=everywhere.quiet,
     )  # fmt: skip
     return FAULT if batch.run() else 0

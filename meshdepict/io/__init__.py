@@ -8,6 +8,7 @@ from __future__ import annotations
 import gzip
 import importlib
 import os
+import struct
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO, cast
 
@@ -17,14 +18,20 @@ from numpy.typing import ArrayLike, NDArray
 from meshdepict.errors import MeshdepictError
 from meshdepict.files.atomic import atomic_write
 from meshdepict.files.mark import MARK
-from meshdepict.io.source import FORMATS, WRITABLE, format_of, opened, suffix_of
-from meshdepict.shapes.document import Saving
+from meshdepict.io.source import FORMATS, WRITABLE, format_of, opened, suffix_of, unmarked
+from meshdepict.shapes.document import Contents, Saving
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
     from meshdepict.shapes.mesh import Mesh
     from meshdepict.shapes.volume import Volume
+
+# What damage that nobody thought of makes the parts of a reader raise.
+_UNFORESEEN = (
+    ArithmeticError, AttributeError, LookupError, RecursionError, TypeError, ValueError,
+    struct.error,
+)  # fmt: skip
 
 __all__ = ["atomic_write", "read", "read_mesh", "read_provenance", "write_mesh"]
 
@@ -69,11 +76,7 @@ def read_mesh(path: str | os.PathLike[str], *, winding: str = "auto") -> Mesh:
 
     with opened(path) as file:
         data = file.read()
-    module = _module(format_of(path, data[:4096], len(data)))
-    try:
-        contents = module.decode(data, Path(path))
-    except MeshdepictError as error:  # "is cut off …": the file is its subject
-        raise MeshdepictError(f"{path} {error}") from error
+    contents = _decoded(data, path)
     try:
         return Mesh(
             contents.vertices,
@@ -153,6 +156,27 @@ def read_provenance(path: str | os.PathLike[str]) -> list[str] | None:
         except MeshdepictError:  # whatever it is, this program didn't write it
             return None
     return list(found) or None
+
+
+def _decoded(data: bytes, path: str | os.PathLike[str]) -> Contents:
+    """Return what a file's bytes hold, or raise one sentence that begins with its name."""
+    try:
+        data = unmarked(data)
+    except MeshdepictError as error:
+        raise MeshdepictError(f"{path} {error}") from error
+    name = format_of(path, data[:4096], len(data))
+    try:
+        contents: Contents = _module(name).decode(data, Path(path))
+    except MeshdepictError as error:  # "is cut off …": the file is its subject
+        raise MeshdepictError(f"{path} {error}") from error
+    except MemoryError as error:
+        raise MeshdepictError(f"{path} needs more memory than there is") from error
+    except _UNFORESEEN as error:
+        raise MeshdepictError(
+            f"{path} is damaged or not understood as {name.upper()} "
+            f"({type(error).__name__}: {error})"
+        ) from error
+    return contents
 
 
 def _module(name: str) -> Any:

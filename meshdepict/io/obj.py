@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import math
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, BinaryIO
@@ -15,6 +16,7 @@ from meshdepict.files.mark import MARK
 from meshdepict.io import text
 from meshdepict.io.obj_faces import parse_faces
 from meshdepict.io.obj_lines import Lines, joined, line_end, table
+from meshdepict.shapes.colors import after_position
 from meshdepict.shapes.document import (
     COLOR,
     Contents,
@@ -22,6 +24,7 @@ from meshdepict.shapes.document import (
     Saving,
     as_bytes,
     only_colors,
+    same_vertices,
 )
 from meshdepict.surface.polygons import Polygons, as_polygons
 
@@ -31,7 +34,8 @@ if TYPE_CHECKING:
 __all__ = ["ObjDocument", "decode", "encode", "provenance"]
 
 _COMMENT = f"# {MARK}".encode()
-_FRACTIONS = [f"{level / 255:.6f}" for level in range(256)]
+# Rounded up: some programs cut off what is behind the point when they make bytes of them again.
+_FRACTIONS = [f"{math.ceil(level * 1e6 / 255) / 1e6:.6f}" for level in range(256)]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -51,7 +55,7 @@ class ObjDocument(Document):
 
     def describes(self, vertices: NDArray[np.float64] | None, polygons: Polygons) -> bool:
         """Whether these are the file's vertices (if given) and polygons, not changed ones."""
-        same = vertices is None or np.array_equal(vertices, self.vertices)
+        same = same_vertices(vertices, self.vertices)
         return same and all(map(np.array_equal, self.polygons, polygons))
 
 
@@ -85,10 +89,12 @@ def decode(data: bytes, path: Path) -> Contents:
         lambda: lines.before(b"f", b"v"),
         lambda: lines.before(b"f", b"vt"),
     )
-    texture = table(lines, b"vt", least=2)[:, :2]
+    texture = table(lines, b"vt", least=1)
+    texture = np.concatenate((texture, np.zeros_like(texture)), axis=1)[:, :2]  # v is 0 by default
+    colors = after_position(numbers[:, 3:], w_first=True)
     attributes = {}
-    if numbers.shape[1] >= 6:
-        attributes["vertex"] = dict(zip(COLOR, as_bytes(numbers[:, 3:6]).T, strict=True))
+    if colors is not None:
+        attributes["vertex"] = dict(zip((*COLOR, "alpha"), as_bytes(colors).T, strict=False))
     document = ObjDocument(
         provenance=provenance(io.BytesIO(data)),
         data=data,

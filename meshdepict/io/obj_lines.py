@@ -13,6 +13,7 @@ from meshdepict.io import text
 __all__ = ["Lines", "joined", "line_end", "table"]
 
 _BLANKS = np.frombuffer(b" \t", np.uint8)
+_BLANK, _NEWLINE = ord(" "), ord("\n")
 
 
 def line_end(data: bytes) -> bytes:
@@ -23,13 +24,23 @@ def line_end(data: bytes) -> bytes:
 def joined(data: bytes, keyword: bytes) -> bytes:
     """Return a text with those lines in one that begin with a keyword and end in a backslash.
 
-    A comment doesn't go on: it may end in the name of a folder.
+    A comment doesn't go on: it may end in the name of a folder. Each line is looked at once.
     """
-    continued = re.compile(rb"(?m)^([ \t]*%b[^#\r\n]*)\\\r?\n" % keyword)
-    count = int(b"\\\n" in data or b"\\\r\n" in data)
-    while count:
-        data, count = continued.subn(rb"\1 ", data)
-    return data
+    if b"\\\n" not in data and b"\\\r\n" not in data:
+        return data
+    begins = re.compile(rb"[ \t]*+" + keyword)
+    whole: list[bytes] = []
+    parts: list[bytes] = []  # of the line that goes on
+    for line in data.split(b"\n"):
+        end = line.removesuffix(b"\r")
+        goes_on = end.endswith(b"\\") and b"#" not in end and (parts or begins.match(line))
+        parts.append(end[:-1] if goes_on else line)
+        if not goes_on:
+            whole.append(b" ".join(parts))
+            parts = []
+    if parts:
+        whole.append(b" ".join(parts) + b" ")
+    return b"\n".join(whole)
 
 
 class Lines:
@@ -87,7 +98,7 @@ def table(lines: Lines, keyword: bytes, *, least: int) -> NDArray[np.float64]:
     width = len(block.partition(b"\n")[0].split())
     try:
         values = text.floats(block)
-        if width >= least and len(values) == width * rows:
+        if width >= least and len(values) == width * rows and _are_even(block, width):
             return values.reshape(rows, width)
         words = [line.split() for line in block.splitlines()]
         width = min(map(len, words))
@@ -99,3 +110,12 @@ def table(lines: Lines, keyword: bytes, *, least: int) -> NDArray[np.float64]:
     raise MeshdepictError(
         f"has a line {keyword.decode()!r} with something else than {least} numbers or more"
     )
+
+
+def _are_even(block: bytes, width: int) -> bool:
+    """Whether every line has so many words; a sum of lengths doesn't tell."""
+    filled = np.frombuffer(block, np.uint8) > _BLANK
+    starts = np.flatnonzero(filled & ~np.concatenate(([False], filled[:-1])))
+    ends = np.flatnonzero(np.frombuffer(block, np.uint8) == _NEWLINE)
+    per_line = np.diff(np.searchsorted(starts, ends), prepend=0)
+    return bool((per_line == width).all())

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO
@@ -14,16 +14,17 @@ from numpy.typing import NDArray
 from meshdepict.errors import MeshdepictWarning
 from meshdepict.io.ply_binary import encode_binary
 from meshdepict.io.ply_document import (
-    POSITION,
     PlyDocument,
     Section,
     geometry_of,
     hold,
     index_list,
+    is_grid,
     line_end,
     split_sections,
 )
 from meshdepict.io.ply_header import (
+    POSITION,
     Element,
     Header,
     Property,
@@ -33,7 +34,7 @@ from meshdepict.io.ply_header import (
 )
 from meshdepict.io.ply_properties import as_properties, exact_float
 from meshdepict.io.ply_rows import Column, Ragged
-from meshdepict.io.ply_text import rewrite_text
+from meshdepict.io.ply_text import encode_text, rewrite_text
 from meshdepict.shapes.document import COLOR, Contents, Document, Saving, new_names, recolored
 from meshdepict.surface.polygons import Polygons, as_polygons
 
@@ -61,13 +62,10 @@ def decode(data: bytes, path: Path) -> Contents:
     """
     header = parse_header(data)
     sections, rest = split_sections(header, data)
-    if rest.strip():
-        warnings.warn(
-            f"{path} goes on after what its PLY header declares; the rest is kept but not read",
-            MeshdepictWarning,
-            stacklevel=2,
-        )
-    vertices, faces = geometry_of(sections)
+    vertices, faces = geometry_of(header, sections)
+    said = list(_notes(sections, rest))
+    if said:
+        warnings.warn(f"{path} {'; '.join(said)}", MeshdepictWarning, stacklevel=2)
     attributes = {"vertex": _attributes(sections["vertex"], POSITION)}
     if "face" in sections and "tristrips" not in sections:
         # Texture coordinates belong to corners: they stay with the document.
@@ -75,6 +73,18 @@ def decode(data: bytes, path: Path) -> Contents:
         attributes["face"] = _attributes(sections["face"], corners)
     document = PlyDocument(provenance=header.provenance, header=header, data=data)
     return Contents(vertices, faces, attributes, document)
+
+
+def _notes(sections: Mapping[str, Section], rest: bytes) -> Iterator[str]:
+    """Yield what is odd about a file, its name being the subject."""
+    if rest.strip():
+        yield "goes on after what its PLY header declares; the rest is kept but not read"
+    if is_grid(sections):
+        yield "holds a range grid: neighbours in it make its triangles"
+    for name, section in sections.items():
+        for item, word in section.odd.items():
+            done = "taken as NaN" if item in section.columns else "kept but not read"
+            yield f"has {word!r} for a number in {item!r} of {name}: {done}"
 
 
 def _attributes(section: Section, without: tuple[str, ...]) -> dict[str, NDArray[Any]]:
@@ -94,7 +104,7 @@ def encode(file: BinaryIO, mesh: Mesh, saving: Saving) -> None:
     document = mesh.document
     if isinstance(document, PlyDocument):
         sections, rest = split_sections(document.header, document.data)
-        if hold(sections, mesh.vertices, polygons):
+        if hold(document.header, sections, mesh.vertices, polygons):
             _write_edited(file, mesh, saving, document.header, sections)
             file.write(rest)
             return
@@ -150,40 +160,45 @@ def _edited(
 
 
 def _write_fresh(file: BinaryIO, mesh: Mesh, polygons: Polygons, saving: Saving) -> None:
-    """Write a new file, binary and little-endian."""
+    """Write a new file that every reader we know of reads.
+
+    Binary and little-endian where all polygons have as many corners; else ASCII, because trimesh
+    refuses binary lists of several lengths. Texture coordinates are an element "corner" with a row
+    for each corner of the faces, NaN where it has none, which readers skip: as a second list of the
+    faces they part colours from vertices (trimesh) and are refused, or end the program, with
+    other polygons than triangles (PyMeshLab, PyVista).
+    """
     document = mesh.document if isinstance(mesh.document, Document) else Document()
     attributes = recolored(mesh.attributes["vertex"], saving, ours=bool(document.provenance))
     extra, columns = as_properties(attributes, taken=POSITION)
     kind = exact_float(mesh.vertices)
     properties = [*(Property(name, kind) for name in POSITION), *extra]
     vertex = Element("vertex", len(mesh.vertices), tuple(properties))
-    positions = dict(zip(POSITION, mesh.vertices.T, strict=True))
-
+    tables: list[tuple[Element, Mapping[str, Column]]] = [
+        (vertex, dict(zip(POSITION, mesh.vertices.T, strict=True)) | columns)
+    ]
     sizes = np.diff(polygons.offsets)
     largest = int(sizes.max())
+    even = bool((sizes == largest).all())
     properties = [Property("vertex_indices", "i4", "u1" if largest < 256 else "i4")]
     lists: dict[str, Column] = {"vertex_indices": Ragged(*polygons)}
-    if (sizes == largest).all():
+    if even:
         lists["vertex_indices"] = polygons.connectivity.reshape(-1, largest)
+    corners = None
     if (own := document.texcoords) and document.describes(None, polygons):
-        texcoords = _corner_texcoords(*own, polygons)
-        kind = exact_float(texcoords.values)
-        properties.append(Property("texcoord", kind, "u1" if largest < 128 else "i4"))
-        lists["texcoord"] = texcoords
+        texcoords, corner = own
+        items = tuple(Property(name, exact_float(texcoords)) for name in ("s", "t"))
+        corners = Element("corner", len(corner), items)
+        rows = np.where(corner[:, None] >= 0, texcoords[corner], np.nan)
     extra, more = as_properties(mesh.attributes["face"], taken=lists)
     face = Element("face", len(polygons.offsets) - 1, (*properties, *extra))
+    tables.append((face, lists | more))
+    if corners is not None:
+        tables.append((corners, dict(zip(("s", "t"), rows.T, strict=True))))
 
-    file.write(fresh_header((vertex, face), saving.comments))
-    file.write(encode_binary(vertex, positions | columns, "<").data)
-    file.write(encode_binary(face, lists | more, "<").data)
-
-
-def _corner_texcoords(
-    texcoords: NDArray[np.float64], corner: NDArray[np.int64], polygons: Polygons
-) -> Ragged:
-    """Return u, v of every corner as one list per polygon, empty where a corner has none."""
-    sizes = np.diff(polygons.offsets)
-    whole = np.add.reduceat(np.append(corner < 0, False), polygons.offsets[:-1]) == 0
-    chosen = np.repeat(whole, sizes)
-    values = texcoords[corner[chosen]].reshape(-1)
-    return Ragged(values, np.concatenate(([0], np.cumsum(np.where(whole, 2 * sizes, 0)))))
+    file.write(fresh_header([element for element, _ in tables], saving.comments, in_words=not even))
+    for element, held in tables:
+        if even:
+            file.write(encode_binary(element, held, "<").data)
+        else:
+            file.write(encode_text(element, held))

@@ -31,9 +31,11 @@ def decode_binary(
     MeshdepictError
         Where the data end too early.
     """
+    if not element.properties:
+        return {}, start
     shortest = sum(_width(item.count or item.kind) for item in element.properties)
     if element.count * shortest > len(data) - start:
-        raise cut_off(element)
+        raise cut_off(element, len(data) - start)
 
     def reader(item: Property) -> Callable[[int], int]:
         if item.count == "u1":

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from itertools import accumulate
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -11,24 +12,23 @@ from numpy.typing import NDArray
 
 from meshdepict.errors import MeshdepictError
 from meshdepict.io.ply_binary import decode_binary
-from meshdepict.io.ply_header import Element, Header
+from meshdepict.io.ply_grid import grid_of, grid_triangles
+from meshdepict.io.ply_header import POSITION, Element, Header
 from meshdepict.io.ply_rows import Column, Ragged, as_ragged
-from meshdepict.io.ply_text import decode_text
-from meshdepict.shapes.document import Document
+from meshdepict.io.ply_text import decode_text, reflowed
+from meshdepict.shapes.document import Document, same_vertices
 from meshdepict.surface.polygons import Polygons, as_polygons, strip_triangles
 
 __all__ = [
-    "POSITION",
     "PlyDocument",
     "Section",
     "geometry_of",
     "hold",
     "index_list",
+    "is_grid",
     "line_end",
     "split_sections",
 ]
-
-POSITION = ("x", "y", "z")
 
 
 class Section(NamedTuple):
@@ -37,6 +37,7 @@ class Section(NamedTuple):
     element: Element
     columns: dict[str, Column]
     rows: bytes | list[bytes]  # a list of lines in ASCII files
+    odd: Mapping[str, str]  # properties with values of another kind, and one of these
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -49,8 +50,14 @@ class PlyDocument(Document):
     @property
     def texcoords(self) -> tuple[NDArray[np.float64], NDArray[np.int64]] | None:
         """(t, 2) texture coordinates, and which of them each corner has (−1: none), or None."""
-        face = split_sections(self.header, self.data)[0].get("face")
-        if face is None or "texcoord" not in face.columns or not index_list(face):
+        sections = split_sections(self.header, self.data)[0]
+        face = sections.get("face")
+        if face is None or not index_list(face):
+            return None
+        corners = sections.get("corner")
+        if corners is not None and {"s", "t"} <= set(corners.columns):
+            return _of_corners(corners, len(as_ragged(face.columns[index_list(face)]).values))
+        if "texcoord" not in face.columns:
             return None
         listed = as_ragged(face.columns["texcoord"])
         sizes = np.diff(as_ragged(face.columns[index_list(face)]).offsets)
@@ -60,28 +67,66 @@ class PlyDocument(Document):
         corner = np.repeat(fitting, sizes)
         return values, np.where(corner, np.cumsum(corner) - 1, -1)
 
+    @property
+    def has_strips(self) -> bool:
+        """Whether triangle strips are among the file's faces."""
+        return any(item.name == "tristrips" and item.count for item in self.header.elements)
+
     def describes(self, vertices: NDArray[np.float64] | None, polygons: Polygons) -> bool:
         """Whether these are the file's vertices (if given) and polygons, not changed ones."""
-        return hold(split_sections(self.header, self.data)[0], vertices, polygons)
+        sections = split_sections(self.header, self.data)[0]
+        return hold(self.header, sections, vertices, polygons)
+
+
+def _of_corners(
+    corner: Section, count: int
+) -> tuple[NDArray[np.float64], NDArray[np.int64]] | None:
+    """Return the coordinates of an element that has a row for each corner of the faces."""
+    if corner.element.count != count:
+        return None
+    values = np.stack([corner.columns[name] for name in ("s", "t")], axis=1).astype(np.float64)
+    known = np.isfinite(values).all(axis=1)
+    if not known.any():
+        return None
+    return values[known], np.where(known, np.cumsum(known) - 1, -1)
 
 
 def split_sections(header: Header, data: bytes) -> tuple[dict[str, Section], bytes]:
     """Read all elements; also return what follows the last one."""
-    sections = {}
+    sections: dict[str, Section] = {}
     if header.order:
         at = header.size
         for element in header.elements:
             columns, stop = decode_binary(data, at, element, header.order)
-            sections[element.name] = Section(element, columns, data[at:stop])
+            sections[element.name] = Section(element, columns, data[at:stop], {})
             at = stop
         return sections, data[at:]
     lines = data[header.size :].split(line_end(header))
     lines = [line for line in lines if line and not line.isspace()]
-    for element in header.elements:
-        count = element.count if element.properties else 0
-        rows, lines = lines[:count], lines[count:]
-        sections[element.name] = Section(element, decode_text(rows, element), rows)
-    return sections, line_end(header).join(lines)
+    counts = [element.count if element.properties else 0 for element in header.elements]
+    ends = list(accumulate(counts))
+    try:
+        for element, count, end in zip(header.elements, counts, ends, strict=True):
+            rows = lines[end - count : end]
+            sections[element.name] = Section(element, *_with(rows, element))
+    except MeshdepictError:
+        if not ends or len(lines) == ends[-1]:
+            raise
+        # Not a row for each line: some programs break lines anywhere.
+        parts = reflowed(b" ".join(lines).split(), header.elements)
+        if parts is None:
+            raise
+        for element, rows in zip(header.elements, parts, strict=True):
+            sections[element.name] = Section(element, *_with(rows, element))
+        return sections, b""
+    return sections, line_end(header).join(lines[ends[-1] if ends else 0 :])
+
+
+def _with(
+    rows: list[bytes], element: Element
+) -> tuple[dict[str, Column], list[bytes], dict[str, str]]:
+    columns, odd = decode_text(rows, element)
+    return columns, rows, odd
 
 
 def line_end(header: Header) -> bytes:
@@ -90,15 +135,19 @@ def line_end(header: Header) -> bytes:
 
 
 def hold(
-    sections: Mapping[str, Section], vertices: NDArray[np.float64] | None, polygons: Polygons
+    header: Header,
+    sections: Mapping[str, Section],
+    vertices: NDArray[np.float64] | None,
+    polygons: Polygons,
 ) -> bool:
     """Whether a file's elements hold these vertices (if given) and polygons."""
-    own_vertices, own_faces = geometry_of(sections)
-    same = vertices is None or np.array_equal(vertices, own_vertices)
-    return same and all(map(np.array_equal, as_polygons(own_faces), polygons))
+    own_vertices, own_faces = geometry_of(header, sections)
+    return same_vertices(vertices, own_vertices) and all(
+        map(np.array_equal, as_polygons(own_faces), polygons)
+    )
 
 
-def geometry_of(sections: Mapping[str, Section]) -> tuple[NDArray[Any], Any]:
+def geometry_of(header: Header, sections: Mapping[str, Section]) -> tuple[NDArray[Any], Any]:
     """Return positions, and faces in a form that `as_polygons` takes."""
     vertex = sections.get("vertex")
     if vertex is None or not set(POSITION) <= set(vertex.element.names):
@@ -113,12 +162,23 @@ def geometry_of(sections: Mapping[str, Section]) -> tuple[NDArray[Any], Any]:
             rows = section.columns[name]
             strips = kind == "tristrips"
             parts.append(strip_triangles(_cut_strips(as_ragged(rows)))[0] if strips else rows)
+    if not parts and is_grid(sections):
+        grid = sections["range_grid"]
+        lists = as_ragged(grid.columns[index_list(grid)])
+        parts.append(grid_triangles(vertices, grid_of(header, lists)))
     if len(parts) == 1 and not isinstance(parts[0], Ragged) and parts[0].shape[1] >= 3:
         return vertices, parts[0]
     ragged = [as_ragged(part) for part in parts]
     connectivity = np.concatenate([np.empty(0, np.int64), *(part.values for part in ragged)])
     sizes = np.concatenate([np.zeros(1, np.int64), *(np.diff(part.offsets) for part in ragged)])
     return vertices, Polygons(connectivity, np.cumsum(sizes))
+
+
+def is_grid(sections: Mapping[str, Section]) -> bool:
+    """Whether a file has a range grid and no faces."""
+    faces = any(sections[kind].element.count for kind in ("face", "tristrips") if kind in sections)
+    grid = sections.get("range_grid")
+    return bool(not faces and grid and grid.element.count and index_list(grid))
 
 
 def index_list(section: Section) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import BinaryIO
@@ -10,7 +11,11 @@ from typing import BinaryIO
 from meshdepict.errors import MeshdepictError
 from meshdepict.files.mark import MARK
 
-__all__ = ["Element", "Header", "Property", "fresh_header", "parse_header", "read_header"]
+__all__ = [
+    "POSITION", "Element", "Header", "Property", "fresh_header", "parse_header", "read_header",
+]  # fmt: skip
+
+POSITION = ("x", "y", "z")  # of a vertex
 
 TYPES = {
     "char": "i1", "uchar": "u1", "short": "i2", "ushort": "u2", "int": "i4", "uint": "u4",
@@ -20,6 +25,8 @@ TYPES = {
 }  # fmt: skip
 NAMES = {kind: name for name, kind in reversed(TYPES.items())}  # "u1": "uchar", …
 _ORDERS = {b"ascii": "", b"binary_little_endian": "<", b"binary_big_endian": ">"}
+_OVERLAP = 1 << 12  # bytes that are searched again for a line in two pieces
+_COUNT = re.compile(rb"[0-9]{1,18}")  # of rows; more no disk holds
 _END = re.compile(rb"(?:\r\n|\n|\r)[ \t]*end_header[ \t]*(\r\n|\n|\r|\Z)")
 
 
@@ -91,10 +98,11 @@ class Header:
             last = element.line
             for former in element.properties:
                 text[former.line], last = [], former.line
+            unchanged = set(element.properties)
             for item in edited[element.name]:
                 if item.line < 0:
                     text[last].append(item.declaration.encode() + self.newline)
-                elif item in element.properties:
+                elif item in unchanged:
                     text[item.line].insert(0, self.lines[item.line])
                 else:
                     text[item.line].insert(0, item.declaration.encode() + self.newline)
@@ -109,9 +117,12 @@ class Header:
         return b"".join(line for at in range(len(self.lines)) for line in text[at])
 
 
-def fresh_header(elements: Sequence[Element], comments: Iterable[str]) -> bytes:
-    """Return the header of a new binary little-endian file."""
-    lines = ["ply", "format binary_little_endian 1.0", *(f"comment {text}" for text in comments)]
+def fresh_header(
+    elements: Sequence[Element], comments: Iterable[str], *, in_words: bool = False
+) -> bytes:
+    """Return the header of a new file, binary and little-endian or ASCII."""
+    encoding = "ascii" if in_words else "binary_little_endian"
+    lines = ["ply", f"format {encoding} 1.0", *(f"comment {text}" for text in comments)]
     for element in elements:
         lines.append(f"element {element.name} {element.count}")
         lines += [item.declaration for item in element.properties]
@@ -120,12 +131,13 @@ def fresh_header(elements: Sequence[Element], comments: Iterable[str]) -> bytes:
 
 def read_header(file: BinaryIO) -> Header:
     """Parse the header of an open file, reading little more than it."""
-    start = b""
+    read = bytearray()
     while chunk := file.read(1 << 14):
-        start += chunk
-        if _END.search(start):
+        seen = max(len(read) - _OVERLAP, 0)
+        read += chunk
+        if _END.search(read, seen):
             break
-    return parse_header(start)
+    return parse_header(bytes(read))
 
 
 def parse_header(data: bytes) -> Header:
@@ -146,7 +158,7 @@ def parse_header(data: bytes) -> Header:
     size = end.start(1) + len(newline) if end[1] else end.end()
     lines = tuple(data[:size].splitlines(keepends=True))
     order: str | None = None
-    elements: list[Element] = []
+    declared: list[tuple[Element, list[Property]]] = []
     for number, line in enumerate(lines):
         words = line.split()
         match words[:1]:
@@ -154,11 +166,10 @@ def parse_header(data: bytes) -> Header:
                 pass
             case [b"format"] if len(words) > 1 and words[1] in _ORDERS:
                 order = _ORDERS[words[1]]
-            case [b"element"] if len(words) == 3 and words[2].isdigit():
-                elements.append(Element(_text(words[1]), int(words[2]), (), number))
-            case [b"property"] if elements and (found := _property(words, number)):
-                element = elements[-1]
-                elements[-1] = replace(element, properties=(*element.properties, found))
+            case [b"element"] if len(words) == 3 and _COUNT.fullmatch(words[2]):
+                declared.append((Element(_text(words[1]), int(words[2]), (), number), []))
+            case [b"property"] if declared and (found := _property(words, number)):
+                declared[-1][1].append(found)
             case _:
                 shown = _text(line).strip()[:80]
                 raise MeshdepictError(
@@ -166,6 +177,7 @@ def parse_header(data: bytes) -> Header:
                 )
     if order is None:
         raise MeshdepictError("has a PLY header without the line 'format …'")
+    elements = [replace(element, properties=tuple(items)) for element, items in declared]
     _check_names("elements", [element.name for element in elements])
     for element in elements:
         _check_names(f"properties of {element.name}", element.names)
@@ -186,8 +198,8 @@ def _property(words: list[bytes], line: int) -> Property | None:
 
 
 def _check_names(what: str, names: list[str]) -> None:
-    for name in names:
-        if names.count(name) > 1:
+    for name, count in Counter(names).items():
+        if count > 1:
             raise MeshdepictError(f"has a PLY header with two {what} called {name!r}")
 
 

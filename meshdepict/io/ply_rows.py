@@ -14,6 +14,9 @@ from meshdepict.io.ply_header import Element, Property
 __all__ = ["Column", "Layout", "Ragged", "Width", "as_ragged", "cut_off", "layout_of", "walk"]
 
 Ints = NDArray[np.int64]
+
+_ABSURD = 1000  # rows for a byte: no file is cut off that short
+
 Width = Callable[[str | None], int]  # how many bytes (or words) a value of a type takes
 
 
@@ -51,6 +54,7 @@ def walk(
     lists = [item.name for item in element.properties if item.count]
     if not lists:
         return {}
+    start = at
     steps = []
     skip = 0
     for item in element.properties:
@@ -69,9 +73,9 @@ def walk(
                 at += counter + length * each
             at += skip
             if at > end:
-                raise cut_off(element)
+                raise cut_off(element, end - start)
     except IndexError:
-        raise cut_off(element) from None
+        raise cut_off(element, end - start) from None
     table = np.array(lengths, np.int64).reshape(rows, len(lists))
     if (table < 0).any():
         raise MeshdepictError(f"contradicts its PLY header: a list in {element.name} is negative")
@@ -123,8 +127,13 @@ def layout_of(
     return layout
 
 
-def cut_off(element: Element) -> MeshdepictError:
-    """Return the error for a file that ends too early."""
+def cut_off(element: Element, left: int) -> MeshdepictError:
+    """Return the error for a file that ends too early, ``left`` bytes after an element's start."""
+    if element.count > _ABSURD * max(left, 1):
+        return MeshdepictError(
+            f"counts more rows of {element.name} in its PLY header than the {left:,} bytes hold "
+            "that are left for them"
+        )
     return MeshdepictError(
         f"is cut off: it ends within the {element.count:,} rows of {element.name} in its PLY header"
     )

@@ -15,7 +15,7 @@ from meshdepict.errors import MeshdepictError
 from meshdepict.files.limits import unpacked
 from meshdepict.files.reach import regular
 
-__all__ = ["FORMATS", "WRITABLE", "format_of", "opened", "suffix_of"]
+__all__ = ["FORMATS", "WRITABLE", "format_of", "opened", "suffix_of", "unmarked"]
 
 # Suffix → the module of this package that reads (and, but for STL, writes) it.
 FORMATS = {
@@ -29,7 +29,8 @@ FORMATS = {
 }
 WRITABLE = tuple(suffix for suffix in FORMATS if suffix != ".stl")  # STL holds no colours
 
-_OFF = re.compile(rb"\s*(?:#[^\r\n]*[\r\n]\s*)*(?:ST)?C?N?4?n?OFF\b")
+_OFF = re.compile(rb"\s*(?:#[^\r\n]*[\r\n]\s*)*(?:ST)?C?N?4?n?OFF(?:\b|(?=\d))")
+_MARK = b"\xef\xbb\xbf"  # the byte-order mark in UTF-8
 _STL_HEADER, _STL_TRIANGLE = 84, 50  # bytes
 
 
@@ -71,6 +72,19 @@ def opened(path: str | os.PathLike[str]) -> Iterator[BinaryIO]:
         raise MeshdepictError(f"{path} is damaged: unpacking it failed ({error})") from error
     except OSError as error:
         raise MeshdepictError(f"{path} could not be read: {error.strerror or error}") from error
+
+
+def unmarked(data: bytes) -> bytes:
+    """Return a file's bytes without the mark that some editors put in front of UTF-8.
+
+    Raises
+    ------
+    MeshdepictError
+        For text in UTF-16 or UTF-32, which no mesh format is.
+    """
+    if data[:2] in (b"\xff\xfe", b"\xfe\xff"):
+        raise MeshdepictError("is text in UTF-16: save it as plain text (ASCII or UTF-8)")
+    return data.removeprefix(_MARK)
 
 
 def format_of(path: str | os.PathLike[str], start: bytes, size: int) -> str:

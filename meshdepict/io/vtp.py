@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -13,8 +14,9 @@ from numpy.typing import NDArray
 
 from meshdepict.errors import MeshdepictError, MeshdepictWarning
 from meshdepict.files.vtk_errors import vtk_errors
+from meshdepict.files.xml_claims import check_xml
 from meshdepict.io.ply_properties import exact_float
-from meshdepict.shapes.document import COLOR, Contents, Document, Saving, recolored
+from meshdepict.shapes.document import COLOR, Contents, Document, Saving, recolored, same_vertices
 from meshdepict.surface.polygons import Polygons, as_polygons
 
 if TYPE_CHECKING:
@@ -35,10 +37,15 @@ class VtpDocument(Document):
 
     data: bytes
 
+    @property
+    def has_strips(self) -> bool:
+        """Whether triangle strips are among the file's faces."""
+        return bool(_polydata(self.data).GetNumberOfStrips())
+
     def describes(self, vertices: NDArray[np.float64] | None, polygons: Polygons) -> bool:
         """Whether these are the file's vertices (if given) and polygons, not changed ones."""
         own_vertices, own_polygons, _ = _geometry(_polydata(self.data))
-        same = vertices is None or np.array_equal(vertices, own_vertices)
+        same = same_vertices(vertices, own_vertices)
         return same and all(map(np.array_equal, own_polygons, polygons))
 
 
@@ -77,10 +84,14 @@ def decode(data: bytes, path: Path) -> Contents:
 def _polydata(data: bytes) -> Any:
     from vtkmodules.vtkIOXML import vtkXMLPolyDataReader
 
-    if not data.rstrip().endswith(b"</VTKFile>"):
+    data = data.rstrip(b"\0 \t\r\n")
+    if not re.search(rb"</VTKFile\s*>\Z", data[-100:]):
         raise MeshdepictError("is cut off: it doesn't end with </VTKFile>")
-    if b'type="PolyData"' not in data[:4096]:
-        raise MeshdepictError("holds other VTK data than PolyData; extract its surface first")
+    kind = check_xml(data).kind
+    if kind != "PolyData":
+        raise MeshdepictError(
+            f"holds other VTK data than PolyData ({kind[:40]!r}); extract its surface first"
+        )
     reader: Any = vtkXMLPolyDataReader()
     reader.SetReadFromInputString(True)  # noqa: FBT003
     reader.SetInputString(data)

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshdepict.errors import MeshdepictWarning
+from meshdepict.surface.mesh_input import is_drawable
 
 if TYPE_CHECKING:
     from meshdepict.surface.polygons import Polygons
@@ -24,6 +25,7 @@ __all__ = [
     "new_names",
     "only_colors",
     "recolored",
+    "same_vertices",
 ]
 
 COLOR = ("red", "green", "blue")
@@ -63,9 +65,26 @@ class Document:
         """(t, 2) texture coordinates, and which of them each corner has (−1: none), or None."""
         return None
 
+    @property
+    def has_strips(self) -> bool:
+        """Whether triangle strips are among the file's faces."""
+        return False
+
     def describes(self, vertices: NDArray[np.float64] | None, polygons: Polygons) -> bool:
         """Whether these are the file's vertices (if given) and polygons, not changed ones."""
         return False
+
+
+def same_vertices(vertices: NDArray[np.float64] | None, own: NDArray[Any]) -> bool:
+    """Whether a mesh has a file's vertices; None stands for any.
+
+    Where a file has none that can be drawn, because no face uses it, a mesh has some position.
+    """
+    if vertices is None or np.array_equal(vertices, own):
+        return True
+    return vertices.shape == own.shape and bool(
+        ((vertices == own) | ~is_drawable(own)[:, None]).all()
+    )
 
 
 def new_names(names: Iterable[str], *, ours: bool, keep: bool) -> dict[str, str]:
@@ -97,16 +116,22 @@ def recolored(attributes: Mapping[str, Any], saving: Saving, *, ours: bool) -> d
 
 
 def as_bytes(values: NDArray[Any]) -> NDArray[np.uint8]:
-    """Return colours of any type as 8 bit: floats up to 1 as fractions, others up to 255.
+    """Return colours of any type as 8 bit: fractions, numbers up to 255, or up to 65,535.
 
-    NaN counts as black.
+    Which of them they are, most of the numbers above zero decide: one that is out of range is cut
+    off at white, and darkens no other. NaN counts as black.
     """
-    if values.dtype.kind in "iu":
-        widest = 257 if values.size and values.max() > 255 else 1  # 16 bit
-        return np.clip(values // widest, 0, 255).astype(np.uint8)
-    finite = np.nan_to_num(values, posinf=255, neginf=0)
-    scale = 1.0 if finite.size and finite.max() > 1 else 255.0
-    return np.clip(finite * scale + 0.5, 0, 255).astype(np.uint8)
+    if values.dtype == np.uint8:
+        return values
+    whole = values.dtype.kind in "iu"
+    finite = values if whole else np.nan_to_num(values, posinf=255, neginf=0)
+    lit = finite[finite > 0]
+    usual = np.median(lit) if lit.size else 0.0
+    if usual > 255:
+        finite = finite / 257
+    elif usual <= 1 and not whole:
+        finite = finite * 255.0
+    return np.clip(finite + (0.0 if whole else 0.5), 0, 255).astype(np.uint8)
 
 
 def only_colors(

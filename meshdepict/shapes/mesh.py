@@ -12,18 +12,27 @@ from numpy.typing import ArrayLike, NDArray
 
 from meshdepict.errors import MeshdepictError, MeshdepictWarning
 from meshdepict.scene.vectors import frozen
+from meshdepict.shapes.document import Document
 from meshdepict.shapes.fingerprint import fingerprint
 from meshdepict.surface import triangles
-from meshdepict.surface.mesh_input import check_indices, checked_attributes, checked_vertices
+from meshdepict.surface.mesh_input import (
+    as_vertices,
+    check_indices,
+    checked_attributes,
+    place_strays,
+)
 from meshdepict.surface.polygons import as_polygons, triangulate
 from meshdepict.surface.welding import normal_groups, same_position
 
 if TYPE_CHECKING:
     from meshdepict.surface.orientation import Orientation
+    from meshdepict.surface.sides import Sides
 
 __all__ = ["Mesh"]
 
 Floats = NDArray[np.float64]
+
+_STEPS = 64  # of single precision: what a handful of operations on coordinates leaves
 
 
 class Mesh:
@@ -48,7 +57,8 @@ class Mesh:
     Raises
     ------
     MeshdepictError
-        For an empty mesh, wrong shapes, NaN or infinite vertices, an index out of range.
+        For an empty mesh, wrong shapes, an index out of range, and NaN or infinite vertices that
+        faces use.
     """
 
     kind = "mesh"
@@ -63,7 +73,7 @@ class Mesh:
         document: object = None,
         length_unit: str = "",
     ) -> None:
-        self.vertices = checked_vertices(vertices)
+        self.vertices = as_vertices(vertices)
         polygons = as_polygons(faces)
         if len(polygons.connectivity) == 0:
             raise MeshdepictError(
@@ -71,6 +81,15 @@ class Mesh:
                 "surface; reconstruct one from the points first"
             )
         check_indices(polygons, len(self.vertices))
+        used = np.zeros(len(self.vertices), bool)
+        used[polygons.connectivity] = True
+        if strays := place_strays(self.vertices, used):
+            warnings.warn(
+                f"{strays:,} vertices that no face uses are NaN, infinite or too far away: they "
+                "are left out",
+                MeshdepictWarning,
+                stacklevel=2,
+            )
         if not isinstance(winding, str) or winding not in ("auto", "keep"):
             raise MeshdepictError(f"winding={winding!r} is neither 'auto' nor 'keep'")
         self.faces, self._owner = triangulate(self.vertices, polygons)
@@ -190,23 +209,41 @@ class Mesh:
     # --- orientation ------------------------------------------------------------------------
 
     @cached_property
-    def orientation(self) -> Orientation:
-        """Which faces had to be turned to point outwards, and a sentence about it."""
-        from meshdepict.surface.orientation import Orientation, orient
+    def _sides(self) -> Sides:
+        from meshdepict.surface.sides import Sides
 
-        if self.winding == "keep":
-            return Orientation(np.zeros(len(self.faces), bool), None)
-        found = orient(self._unit_points, self.faces)
+        found = Sides(
+            self._unit_points,
+            self.faces,
+            turn=self.winding == "auto",
+            rounding=self._rounding / (self.diagonal or 1.0),
+            unit=self.diagonal or 1.0,
+        )
         if found.message:
-            warnings.warn(found.message, MeshdepictWarning, stacklevel=3)
+            warnings.warn(found.message, MeshdepictWarning, stacklevel=4)
         return found
+
+    @property
+    def _rounding(self) -> float:
+        """How far off coordinates are in single precision: far from the origin, visibly so."""
+        with np.errstate(over="ignore"):
+            if not np.array_equal(self.vertices.astype(np.float32), self.vertices):
+                return 0.0
+        return _STEPS * float(np.finfo(np.float32).eps * np.abs(self.vertices).max())
+
+    @cached_property
+    def orientation(self) -> Orientation:
+        """Which faces had to be turned to point outwards, and what shading makes of the surface.
+
+        A face that is there with both windings turns with the side that is shaded.
+        """
+        from meshdepict.surface.orientation import Orientation
+
+        return Orientation(self._sides.flipped, self._sides.message)
 
     @cached_property
     def _outward_faces(self) -> NDArray[np.int64]:
-        flipped = self.orientation.flipped
-        if not flipped.any():
-            return self.faces
-        return frozen(np.where(flipped[:, None], self.faces[:, ::-1], self.faces))
+        return frozen(self._sides.faces)
 
     def rewound(self) -> Mesh:
         """Return the mesh with its faces themselves turned outwards; itself where they are.
@@ -217,17 +254,7 @@ class Mesh:
         flipped = self.orientation.flipped
         if not flipped.any():
             return self
-        from meshdepict.shapes.document import Document
-
-        kept = None
-        if isinstance(self.document, Document):
-            kept = Document(provenance=self.document.provenance)
-            if self.document.texcoords is not None:
-                warnings.warn(
-                    "texture coordinates are lost where faces are turned",
-                    MeshdepictWarning,
-                    stacklevel=2,
-                )
+        kept = self._provenance_alone("faces are turned")
         polygons = self.polygons or as_polygons(self.faces)
         # Degenerate triangles are never turned: a polygon goes the way of most of its area.
         a, b, c = (self._unit_points[corner] for corner in self.faces.T)
@@ -242,6 +269,37 @@ class Mesh:
             document=kept,
             length_unit=self.length_unit,
         )
+
+    def as_triangles(self) -> Mesh:
+        """Return the mesh with the triangles that are shaded as its faces; itself if they are.
+
+        Polygons and strips of a file become triangles, their data each triangle's. Vertices stay;
+        what else the file held is left behind, texture coordinates with a warning.
+        """
+        strips = isinstance(self.document, Document) and self.document.has_strips
+        if self.polygons is None and not strips:
+            return self
+        return Mesh(
+            self.vertices,
+            self.faces,
+            attributes={
+                "vertex": self.attributes["vertex"],
+                "face": {n: values[self._owner] for n, values in self.attributes["face"].items()},
+            },
+            winding=self.winding,
+            document=self._provenance_alone("polygons become triangles"),
+            length_unit=self.length_unit,
+        )
+
+    def _provenance_alone(self, where: str) -> Document | None:
+        """Return what of its file's document fits other faces, too."""
+        if not isinstance(self.document, Document):
+            return None
+        if self.document.texcoords is not None:
+            warnings.warn(
+                f"texture coordinates are lost where {where}", MeshdepictWarning, stacklevel=3
+            )
+        return Document(provenance=self.document.provenance)
 
     # --- what shading needs -----------------------------------------------------------------
 
@@ -277,7 +335,7 @@ class Mesh:
 
         Groups are numbered from 0 without gaps.
         """
-        position = same_position(self.vertices)
+        position = same_position(self._sides.points)
         if position is None:
             return None
         return normal_groups(

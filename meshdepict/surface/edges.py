@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from meshdepict.surface.welding import same_position
 
-__all__ = ["Cleaned", "Edges", "cleaned", "connected", "is_balanced"]
+__all__ = ["Cleaned", "Edges", "cleaned", "connected", "edge_keys", "is_balanced", "sorted_edges"]
 
 Bools = NDArray[np.bool_]
 Floats = NDArray[np.float64]
@@ -63,7 +63,15 @@ def is_balanced(faces: Ints, n: int) -> bool:
     return not balance[np.append(keys[1:] != keys[:-1], True)].any()
 
 
-def _sorted_edges(faces: Ints, n: int) -> Edges:
+def edge_keys(faces: Ints, n: int) -> tuple[Ints, Ints]:
+    """Return the key of every edge, smaller · n + larger vertex number, and its number of sides."""
+    keys = _side_keys(faces, n) >> 1
+    keys.sort()
+    start = np.flatnonzero(np.diff(keys, prepend=-1))
+    return keys[start], np.diff(start, append=len(keys))
+
+
+def sorted_edges(faces: Ints, n: int) -> Edges:
     """Collect the sides of faces (m, 3) by edge; n is the number of vertices."""
     keys = _side_keys(faces, n)
     order = np.argsort(keys, kind="stable")
@@ -87,7 +95,7 @@ def connected(count: int, i: Ints, j: Ints) -> Ints:
 def cleaned(points: Floats, faces: Ints) -> Cleaned:
     """Weld vertices at one position, and leave out degenerate faces and copies of others."""
     n = len(points)
-    edges = _sorted_edges(faces, n)
+    edges = sorted_edges(faces, n)
     # A seam has vertices at one position on edges that lack a partner; most meshes have none.
     rim = np.unique(np.divmod(edges.key[edges.count % 2 == 1], n))
     seams = same_position(points[rim]) is not None
@@ -100,7 +108,7 @@ def cleaned(points: Floats, faces: Ints) -> Cleaned:
     proper = (a != b) & (b != c) & (c != a)
     if seams or not proper.all():
         faces = faces[proper]
-        edges = _sorted_edges(faces, n)
+        edges = sorted_edges(faces, n)
     place = np.where(proper, np.cumsum(proper) - 1, -1)
     leader = _first_copies(faces, edges)
     if leader is None:
@@ -110,7 +118,7 @@ def cleaned(points: Floats, faces: Ints) -> Cleaned:
     return Cleaned(
         faces[unique],
         np.where(proper, number[place], -1),
-        _sorted_edges(faces[unique], n),
+        sorted_edges(faces[unique], n),
         replace(edges, face=number[edges.face]),
     )
 

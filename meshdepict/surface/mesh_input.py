@@ -12,46 +12,79 @@ from meshdepict.errors import MeshdepictError
 from meshdepict.scene.vectors import frozen
 from meshdepict.surface.polygons import Polygons
 
-__all__ = ["check_indices", "checked_attributes", "checked_vertices"]
+__all__ = ["as_vertices", "check_indices", "checked_attributes", "is_drawable", "place_strays"]
 
 Floats = NDArray[np.float64]
 
-# Beyond it sums and differences of coordinates, and areas, would overflow.
+# Beyond it sums and differences of coordinates, and areas, would overflow; within the inverse of it
+# areas would vanish, and curvatures overflow.
 _LARGEST = 1e150
 
 
-def checked_vertices(vertices: ArrayLike) -> Floats:
+def as_vertices(vertices: ArrayLike) -> Floats:
     """Return positions as a new (n, 3) array.
 
     Raises
     ------
     MeshdepictError
-        For another shape, other things than numbers, none at all, NaN or infinite ones.
+        For another shape, other things than numbers, and none at all.
     """
     try:
         given = np.asarray(vertices)
         if given.dtype.kind not in "biufO":  # NumPy would make numbers of texts and complex ones
             raise TypeError
-        array = np.array(given, dtype=np.float64, order="C")
+        with np.errstate(over="ignore"):  # a quadruple's 1e4000 is infinite
+            array = np.array(given, dtype=np.float64, order="C")
     except (TypeError, ValueError, OverflowError):
         raise MeshdepictError("vertices must be an (n, 3) array of numbers") from None
     if array.ndim != 2 or array.shape[1] != 3:
         raise MeshdepictError(f"vertices must have shape (n, 3), not {array.shape}")
     if len(array) == 0:
         raise MeshdepictError("the mesh is empty: it has no vertices")
-    bad = ~np.isfinite(array).all(axis=1)
-    if bad.any():
-        first = int(np.argmax(bad))
+    return array
+
+
+def is_drawable(vertices: NDArray[Any]) -> NDArray[np.bool_]:
+    """Whether each of (n, 3) positions is finite, and not so far away that squares overflow."""
+    with np.errstate(invalid="ignore"):
+        drawable: NDArray[np.bool_] = (np.abs(vertices) <= _LARGEST).all(axis=1)
+    return drawable
+
+
+def place_strays(vertices: Floats, used: NDArray[np.bool_]) -> int:
+    """Put vertices that no face uses and that can't be drawn amid the others, in place.
+
+    Returns
+    -------
+    int
+        How many there were.
+
+    Raises
+    ------
+    MeshdepictError
+        Where faces use such vertices, and where all those in use lie too close together.
+    """
+    drawable = is_drawable(vertices)
+    if not (drawable | ~used).all():
+        odd = used & ~np.isfinite(vertices).all(axis=1)
+        if not odd.any():
+            raise MeshdepictError(
+                f"vertices beyond {_LARGEST:g} leave no room for computing; rescale the mesh"
+            )
+        first = int(np.argmax(odd))
         raise MeshdepictError(
-            f"{int(bad.sum()):,} of {len(array):,} vertices are NaN or infinite "
-            f"(the first is vertex {first}: {', '.join(f'{x:g}' for x in array[first])}); "
+            f"{int(odd.sum()):,} of {len(vertices):,} vertices are NaN or infinite "
+            f"(the first is vertex {first}: {', '.join(f'{x:g}' for x in vertices[first])}); "
             "remove or repair them first"
         )
-    if np.abs(array).max() > _LARGEST:
+    low, high = vertices[used].min(axis=0), vertices[used].max(axis=0)
+    if 0 < (high - low).max() < 1 / _LARGEST:
         raise MeshdepictError(
-            f"vertices beyond {_LARGEST:g} leave no room for computing; rescale the mesh"
+            f"all vertices lie within {1 / _LARGEST:g} of each other, which leaves no room for "
+            "computing; rescale the mesh"
         )
-    return array
+    vertices[~drawable] = low / 2 + high / 2
+    return int(np.count_nonzero(~drawable))
 
 
 def check_indices(polygons: Polygons, count: int) -> None:

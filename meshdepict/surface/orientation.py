@@ -45,7 +45,7 @@ class Orientation:
     message: str | None
 
 
-def orient(points: Floats, faces: Ints) -> Orientation:
+def orient(points: Floats, faces: Ints, *, balanced: bool | None = None) -> Orientation:
     """Find the faces to turn so that neighbours agree and normals point outwards.
 
     Parameters
@@ -55,6 +55,8 @@ def orient(points: Floats, faces: Ints) -> Orientation:
     faces : (m, 3) array of int
         Copies of a face turn with it; one with two corners at one position has no side, and what
         is said of it means nothing.
+    balanced : bool, optional
+        What `is_balanced` says of the faces, where that is known.
 
     Returns
     -------
@@ -64,7 +66,7 @@ def orient(points: Floats, faces: Ints) -> Orientation:
     """
     if len(faces) == 0:
         return Orientation(np.zeros(0, bool), None)
-    if is_balanced(faces, len(points)):
+    if is_balanced(faces, len(points)) if balanced is None else balanced:
         inside_out = _is_negative(_measured(_boxed(points, faces), faces)[1])
         flipped = np.full(len(faces), inside_out)
         return Orientation(flipped, _message(flipped, 0, inside_out=inside_out, open_patches=0))

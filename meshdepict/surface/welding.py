@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["normal_groups", "same_position"]
+__all__ = ["mixed_bits", "normal_groups", "same_position"]
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -13,6 +13,7 @@ Ints = NDArray[np.int64]
 # Two normals at a right angle, as on a cube, share whichever side of it rounding put them: this
 # much more cosine is allowed. A single-precision file blurs the directions of small faces so far.
 _RIGHT_ANGLE = 1e-4
+_STEP = 0x9E3779B97F4A7C15  # of SplitMix64: the golden ratio in 64 bits
 
 
 def same_position(vertices: Floats) -> Ints | None:
@@ -88,12 +89,19 @@ def _hashes(keys: Floats) -> NDArray[np.uint64]:
     """Return a 64-bit number per row that differs between rows but for the odd chance."""
     total = np.zeros(len(keys), np.uint64)
     for axis, bits in enumerate(keys.view(np.uint64).T):
-        # The finaliser of SplitMix64: every bit of a coordinate reaches every bit of the number.
-        mixed = (bits ^ total) + np.uint64(0x9E3779B97F4A7C15 * (axis + 1) % 2**64)
-        mixed ^= mixed >> np.uint64(30)
-        mixed *= np.uint64(0xBF58476D1CE4E5B9)
-        mixed ^= mixed >> np.uint64(27)
-        mixed *= np.uint64(0x94D049BB133111EB)
-        mixed ^= mixed >> np.uint64(31)
-        total = mixed
+        total = mixed_bits((bits ^ total) + np.uint64(_STEP * axis % 2**64))
     return total
+
+
+def mixed_bits(numbers: NDArray[np.uint64]) -> NDArray[np.uint64]:
+    """Return other numbers, one for each, of which every bit depends on every bit given.
+
+    A step and the finaliser of SplitMix64.
+    """
+    mixed = numbers + np.uint64(_STEP)
+    mixed ^= mixed >> np.uint64(30)
+    mixed *= np.uint64(0xBF58476D1CE4E5B9)
+    mixed ^= mixed >> np.uint64(27)
+    mixed *= np.uint64(0x94D049BB133111EB)
+    mixed ^= mixed >> np.uint64(31)
+    return mixed

@@ -1,6 +1,7 @@
 """Baking files: what is written, under which name, and what is never overwritten."""
 
 import os
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -418,3 +419,57 @@ def test_words_about_a_picture_want_one(run, ball_ply, word):
     status, out, (sentence,) = run("bake", "ball.ply", *word.split())
     assert (status, out) == (2, [])
     assert f"{word.split()[0]} is about a picture: give --picture, too" in sentence
+
+
+# --- triangles ----------------------------------------------------------------------------------
+
+STRIPS = """ply
+format ascii 1.0
+element vertex 5
+property float x
+property float y
+property float z
+element tristrips 1
+property list int int vertex_indices
+end_header
+0 0 0
+1 0 0
+0 1 0
+1 1 0.3
+0 2 0
+5 0 1 2 3 4
+"""
+
+
+def test_strips_stay_strips_unless_triangles_are_asked_for(run, folder):
+    Path("strips.ply").write_text(STRIPS)
+    status, _, messages = run("bake", "strips.ply", "-o", "kept.ply", "-m", "lambert")
+    assert status == 0
+    assert len(messages) == 1
+    assert messages[0].startswith("meshdepict: note: strips.ply: ")
+    assert "its triangle strips stay strips" in messages[0]
+    assert b"element tristrips 1" in Path("kept.ply").read_bytes()
+    status, _, messages = run(
+        "bake", "strips.ply", "-o", "faces.ply", "-m", "lambert", "--triangles"
+    )
+    assert (status, [m for m in messages if "strips" in m.split(": ", 3)[-1]]) == (0, [])
+    kept, faces = read_mesh("kept.ply"), read_mesh("faces.ply")
+    assert b"element face 3" in Path("faces.ply").read_bytes()
+    np.testing.assert_array_equal(faces.faces, kept.faces)
+    for name, values in kept.attributes["vertex"].items():
+        np.testing.assert_array_equal(faces.attributes["vertex"][name], values)
+
+
+def test_polygons_become_triangles_with_their_data(run, folder):
+    attributes = {"face": {"part": np.array([7, 8])}}
+    house = md.Mesh(
+        [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0.5, 0.5, 1]],
+        [[0, 1, 2, 3], [0, 1, 4]],
+        attributes=attributes,
+    )
+    write_mesh("house.ply", house)
+    status, _, _ = run("bake", "house.ply", "-o", "faces.ply", "--triangles", "-m", "lambert")
+    assert status == 0
+    baked = read_mesh("faces.ply")
+    assert baked.polygons is None
+    assert baked.attributes["face"]["part"].tolist() == [7, 7, 8]

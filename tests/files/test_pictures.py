@@ -55,7 +55,7 @@ def test_a_pipe_is_refused_before_it_is_opened(tmp_path, read):
 def test_a_panorama_of_more_pixels_than_it_can_hold(tmp_path):
     path = tmp_path / "sky.hdr"
     path.write_bytes(b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 99999999 +X 99999999\n" + bytes(99))
-    with pytest.raises(MeshdepictError, match=r"sky.hdr claims more pixels than"):
+    with pytest.raises(MeshdepictError, match="pixels, which a file of"):
         read_radiance(path)
 
 

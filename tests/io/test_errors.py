@@ -54,6 +54,7 @@ WRONG = {
     "empty.ply": (b"", "is empty"),
     "unknown.xyz": (b"0 0 0\n", "format is unknown; meshes are read from .ply, .obj"),
     "no_suffix": (b"what is this", "format is unknown"),
+    "utf16.off": ("OFF 1 1 0".encode("utf-16"), "is text in UTF-16: save it as plain text"),
     "cut.ply.gz": (gzip.compress(HEADER + ROWS)[:-20], "is damaged: unpacking it failed"),
     "damaged.ply.gz": (b"\x1f\x8b" + b"\xff" * 50, "is damaged: unpacking it failed"),
     # PLY: the header
@@ -119,6 +120,13 @@ WRONG = {
     "face.off": (OFF.replace(b"3 0 1 2", b"4 0 1 2"), "among the 1 faces that doesn't fit OFF"),
     "word.off": (OFF.replace(b"3 0 1 2", b"3 0 b 2"), "among the 1 faces that doesn't fit OFF"),
     "five.off": (b"OFF 1 1 0\n0 0 0 1 2\n3 0 0 0\n", "vertices of 5 numbers, which is unclear"),
+    "absurd.off": (OFF.replace(b"3 1", b"99999999999 1"), "claims more vertices and faces below"),
+    "huge.off": (OFF.replace(b"3 1", b"9" * 5000 + b" 1"), "no numbers of vertices|claims more"),
+    "one_more.off": (
+        OFF.replace(b"3 1 0", b"2 1 0") + b"3 0 1 2\n", "contradicts itself: below its 2 vertices"
+    ),
+    "half.off": (OFF.replace(b"3 0 1 2", b"3 0 1.5 2"), "among the 1 faces that doesn't fit OFF"),
+    "endless.off": (OFF.replace(b"3 0 1 2", b"inf 0 1 2"), "among the 1 faces that doesn't fit"),
     "four.off": (b"4OFF\n", "points of other than three dimensions"),
     "binary.off": (b"OFF BINARY\n" + struct.pack("<3i", 5, 1, 0), "wrong as OFF BINARY"),
     "short_binary.off": (b"OFF BINARY\n1234", "wrong as OFF BINARY"),

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from meshdepict.errors import MeshdepictWarning
 from meshdepict.io import read_mesh, read_provenance, write_mesh
 from meshdepict.shapes.mesh import Mesh
 from meshdepict.surface.polygons import as_polygons
@@ -48,6 +49,14 @@ def text(keyword: str, tail: str = "", faces: str = FACES) -> str:
         text("OFF").rstrip(),
         text("OFF") + "\n\n",
         text("OFF", faces="3 0 1 2 7\n4 0 1 3 2\n"),  # an index into a colour map: left out
+        text("OFF").replace("OFF\n", "OFF"),  # as ModelNet has it
+        text("OFF").replace("OFF\n", "OFF").replace("4 2 0", "4 2"),
+        "\ufeff" + text("OFF"),
+        text("OFF").replace("\n", " "),  # line breaks anywhere
+        text("OFF").replace(" ", "\n"),
+        "OFF\n4 2 0\n" + text("OFF").split("\n", 2)[2].replace("\n", " "),
+        "OFF\n4 2\n" + text("OFF").split("\n", 2)[2].replace("\n", " "),
+        text("OFF", "1"),  # a weight
     ],
 )
 def test_spellings(off, content):
@@ -59,6 +68,9 @@ def test_spellings(off, content):
     [
         ("COFF", "255 0 128 255", "red green blue"),
         ("COFF", "255 0 128 7", "red green blue alpha"),
+        ("COFF", "1 255 0 128", "red green blue"),  # a weight in front
+        ("OFF", "1 1.0 0.0 0.5", "red green blue"),
+        ("COFF", "1 255 0 128 7", "red green blue alpha"),
         ("COFF", "1.0 0.0 0.5 1.0", "red green blue"),
         ("COFF", "255 0 128", "red green blue"),
         ("OFF", "255 0 128 255", "red green blue"),
@@ -134,3 +146,40 @@ def test_writing_is_exact_and_says_who_wrote_it(tmp_path):
 def test_the_real_binary_file(data):
     mesh = read_mesh(data / "formats" / "off_binary_beetle.off", winding="keep")
     assert (len(mesh.vertices), len(mesh.faces)) == (5_105, 9_664)
+
+
+def test_colours_without_line_breaks(off):
+    words = text("COFF", "255 0 128 255").replace("\n", " ")
+    assert [set(values.tolist()) for values in off(words).attributes["vertex"].values()] == [
+        {255}, {0}, {128},
+    ]  # fmt: skip
+
+
+def test_more_faces_than_counted_are_read_with_a_note(off):
+    with pytest.warns(MeshdepictWarning, match="counts 1 faces but holds 2: all are read"):
+        off(text("OFF").replace("4 2 0", "4 1 0"))
+
+
+def test_what_follows_the_faces_is_left_out_with_a_note(off):
+    with pytest.warns(MeshdepictWarning, match="goes on after its faces: 2 lines are not read"):
+        off(text("OFF") + "7 8\n9\n")
+
+
+def test_alpha_is_written_again(tmp_path):
+    path = tmp_path / "mesh.off"
+    path.write_text(text("COFF", "255 0 128 7"))
+    mesh = read_mesh(path)
+    write_mesh(path, mesh, colors=np.zeros((4, 3), np.uint8), keep_colors=False)
+    assert set(read_mesh(path).attributes["vertex"]["alpha"].tolist()) == {7}
+
+
+@pytest.mark.parametrize(
+    ("folder", "name"),
+    [
+        ("off-free-lines", "off_multiline_faces.off"),
+        ("off-modelnet-header", "off_modelnet.off"),
+    ],
+)
+def test_files_after_public_reports_are_read(data, folder, name):
+    mesh = read_mesh(data / "cases" / folder / name, winding="keep")
+    assert (len(mesh.vertices), len(mesh.faces)) == (922, 1_840)

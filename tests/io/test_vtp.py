@@ -147,7 +147,7 @@ def test_a_fault_of_vtk_while_writing(tmp_path, monkeypatch):
     def failing():
         yield ["out of luck"]
 
-    monkeypatch.setattr(vtp, "_vtk_errors", failing)
+    monkeypatch.setattr(vtp, "vtk_errors", failing)
     with pytest.raises(MeshdepictError, match="VTK could not write the mesh: out of luck"):
         write_mesh(tmp_path / "mesh.vtp", Mesh(np.eye(3), [[0, 1, 2]]))
     assert list(tmp_path.iterdir()) == []
