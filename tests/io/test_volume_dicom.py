@@ -170,8 +170,10 @@ def test_a_file_of_many_frames_is_a_volume(tmp_path):
     wanted = phantom()
     path = write_dicom(tmp_path / "all.dcm", stored(wanted), spacing=(0.75, 0.5))
     for given in (path, tmp_path):
-        volume = read_volume(given)
+        with pytest.warns(MeshdepictWarning, match="doesn't say how far its frames are apart"):
+            volume = read_volume(given)
         np.testing.assert_array_equal(volume.values, wanted.values)
+        np.testing.assert_array_equal(volume.spacing, (0.5, 0.75, 1))
     write_dicom(tmp_path / "more.dcm", stored(wanted), spacing=(0.75, 0.5))
     with pytest.raises(MeshdepictError, match="several files of many slices each"):
         read_volume(tmp_path)
@@ -270,13 +272,15 @@ def test_rounded_positions_are_even_enough(series):
     assert volume.spacing[2] == pytest.approx(2, abs=1e-12)
 
 
-def test_a_tilted_gantry_is_refused(tmp_path):
+def test_a_tilted_gantry_is_refused_where_that_is_asked_for(tmp_path):
     tilted = np.radians(12)
     for z, plane in enumerate(stored(phantom())):
         position = (0, 2 * z * np.tan(tilted), 2 * z)
         write_dicom(tmp_path / f"{z}.dcm", plane, position=position)
     with pytest.raises(MeshdepictError, match="the gantry was tilted by 12°; resample it first"):
-        read_volume(tmp_path)
+        read_volume(tmp_path, tilt="refuse")
+    with pytest.raises(MeshdepictError, match="tilt='keep' is neither 'resample' nor 'refuse'"):
+        read_volume(tmp_path, tilt="keep")
 
 
 @pytest.mark.parametrize(
@@ -304,6 +308,8 @@ def test_files_that_are_cut_off_are_left_out_with_a_warning(series):
 
 
 def test_damaged_pixels_are_refused(series, monkeypatch):
+    monkeypatch.setattr("meshdepict.io.dicom_pixels._PLAIN", ())  # as if compressed
+
     def fail(*_, **__):
         raise RuntimeError("ITK ERROR: GDCMImageIO(0x55ef): bad JPEG stream")
 
