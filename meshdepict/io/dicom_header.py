@@ -199,7 +199,7 @@ def _numbers(tags: Texts, name: str, where: str, default: Iterable[float]) -> tu
     wanted = _COUNTS.get(name, 0)
     if not found or not all(map(math.isfinite, found)) or (wanted and len(found) != wanted):
         raise MeshdepictError(
-            f"says the {_NAMES.get(name, name)} {printable(text)[:60]!r} in {where}, which is no "
+            f"says the {_NAMES.get(name, name)} '{printable(text)[:60]}' in {where}, which is no "
             f"{'list of numbers' if wanted else 'number'}: correct the header"
         )
     return found
