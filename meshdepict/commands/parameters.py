@@ -17,6 +17,7 @@ from cyclopts import Group, Parameter
 from meshdepict import threads
 from meshdepict.baking.choices import Choices, choice_fields
 from meshdepict.errors import MeshdepictError
+from meshdepict.files import limits
 
 if TYPE_CHECKING:
     from meshdepict.baking.look import Look
@@ -86,10 +87,19 @@ class Everywhere:
             help="Cores to use; all unless given.",
         ),
     ] = None
+    max_memory: Annotated[
+        str | None,
+        Parameter(
+            group=EVERYWHERE,
+            help="What a file's contents may take, 4GB for instance; unless given, a hundred "
+            "times its size and half of the memory at most.",
+        ),
+    ] = None
 
     def obey(self) -> None:
         """Limit what the program may take of the machine."""
         threads.limit(self.cores)
+        limits.set_max_memory(self.max_memory)
 
 
 # --- figures ----------------------------------------------------------------------------------

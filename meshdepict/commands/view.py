@@ -79,7 +79,7 @@ def view(
     with notes(input_, quiet=quiet):
         session = _session(input_, wanted, name, quiet=quiet)
     if browser:
-        from meshdepict.viewer.browser.server import serve
+        from meshdepict.viewer.browser import serve
 
         serve(session, port=port, open_browser=not no_open, title=name)
         return 0

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import time
+from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from cyclopts import Parameter
 
@@ -40,6 +41,7 @@ def volume(
     slope: parameters.Number = None,
     intercept: parameters.Number = None,
     spacing: Annotated[str | None, Parameter(group=FILES)] = None,
+    tilt: Annotated[Literal["resample", "refuse"], Parameter(group=FILES)] = "resample",
     clip: Annotated[list[str] | None, Parameter(group=FILES)] = None,
     surface: Annotated[
         float | None,
@@ -57,7 +59,8 @@ def volume(
     Parameters
     ----------
     source
-        A folder of DICOM files, or NIfTI, NRRD, MHA, VTI, a TIFF stack, NPY.
+        A folder of DICOM files or of slices as TIFF, BMP, PNG or JPEG; NIfTI, NRRD, MHA, VTI, a
+        TIFF stack, NPY.
     output
         Write the shaded voxels as RGBA (.vti, .nrrd, .mha, .nii), or with --surface a mesh.
     picture
@@ -74,6 +77,8 @@ def volume(
         See slope.
     spacing
         Of voxels in x,y,z, for files that don't say: 0.5,0.5,1.
+    tilt
+        What to do with slices of a tilted gantry: resample them to a straight grid, or refuse.
     clip
         Keep a part of the grid, AXIS=FROM:TO, such as y=50%:100%. Repeatable.
     surface
@@ -85,7 +90,7 @@ def volume(
     quiet = everywhere.quiet
     start = time.perf_counter()
     name = _name(source)
-    page = figure.figure(unit="mm")
+    page = figure.figure()
     wanted = parameters.said_look(look)
     method = wanted.method
     box = dict(_span(text) for text in clip or [])
@@ -100,7 +105,9 @@ def volume(
         raise MeshdepictError("--before and --slice show voxels, --surface a mesh: leave one out")
     _check_targets(output, (picture, before, *cuts), mesh=surface is not None, force=force)
     with notes(source, quiet=quiet), progress_bar(name, quiet=quiet) as progress:
-        grid = _read(source, series, slope, intercept, spacing).cropped(**box)
+        grid = _read(source, series, slope, intercept, spacing, tilt).cropped(**box)
+        if figure.unit is None:
+            page = replace(page, unit=grid.length_unit)
         if surface is not None:
             about = _shade_surface(grid, surface, wanted, progress, output, picture, page)
         else:
@@ -187,6 +194,7 @@ def _read(
     slope: float | None,
     intercept: float | None,
     spacing: str | None,
+    tilt: str,
 ) -> Volume:
     from meshdepict.io.volumes import read_volume
     from meshdepict.shapes.phantom import ct_phantom
@@ -197,7 +205,9 @@ def _read(
     lengths = None
     if spacing is not None:
         lengths = parameters.as_numbers(spacing, "--spacing", 3)
-    return read_volume(source, series=number, slope=slope, intercept=intercept, spacing=lengths)
+    return read_volume(
+        source, series=number, slope=slope, intercept=intercept, spacing=lengths, tilt=tilt
+    )
 
 
 def _name(source: Path | None) -> str:

@@ -2,111 +2,39 @@
 
 from __future__ import annotations
 
-import os
-import warnings
 from collections.abc import Sequence
-from dataclasses import dataclass
-from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from meshdepict.errors import MeshdepictError, MeshdepictWarning
-from meshdepict.io.dicom_geometry import stacked_place
-from meshdepict.io.itk import array_of, place_of, reason, simpleitk
+from meshdepict.errors import MeshdepictError
+from meshdepict.files.reach import inside
+from meshdepict.io.dicom_geometry import apart_from_the_plane, stacked
+from meshdepict.io.dicom_header import Slice, headers, is_dicom, opened
+from meshdepict.io.dicom_pixels import stored_numbers
+from meshdepict.io.tilt import straightened
+from meshdepict.io.volume_contents import VolumeContents, printable, rescaled
 from meshdepict.voxels.volume_input import fitting_integer
 
 __all__ = ["Slice", "headers", "is_dicom", "read_dicom"]
 
-_SUFFIXES = (".dcm", ".dicom", ".ima")
 _AIR = -1000.0  # HU, for voxels outside of the scanner's field of view
 
 
-@dataclass(frozen=True)
-class Slice:
-    """One DICOM file's header."""
-
-    path: Path
-    size: tuple[int, ...]
-    spacing: NDArray[np.float64]
-    origin: NDArray[np.float64]
-    direction: NDArray[np.float64]
-    tags: dict[str, str]
-
-    def tag(self, name: str, default: str = "") -> str:
-        """Return a tag such as "0020|000e" without padding."""
-        text = self.tags.get(name, default).strip(" \0")
-        # In other character sets than UTF-8 bytes come as lone surrogates, which nothing prints.
-        return text.encode(errors="surrogateescape").decode(errors="replace")
-
-    @property
-    def series(self) -> str:
-        """The series' id (SeriesInstanceUID)."""
-        return self.tag("0020|000e")
-
-    @property
-    def frames(self) -> int:
-        """How many slices the file holds."""
-        return self.size[2] if len(self.size) > 2 else 1
-
-    @property
-    def has_position(self) -> bool:
-        """Whether the header says where the slice is."""
-        return "0020|0032" in self.tags and "0020|0037" in self.tags
-
-    @cached_property
-    def slope(self) -> float:
-        """Rescale slope, 1 where there is none."""
-        return float(self.tag("0028|1053") or 1)
-
-    @property
-    def hounsfield(self) -> bool:
-        """Whether the rescaled numbers are Hounsfield units."""
-        kind = self.tag("0028|1054")
-        rescaled = "0028|1052" in self.tags and "0028|1053" in self.tags
-        return self.tag("0008|0060") == "CT" and rescaled and kind in ("", "HU", "US")
-
-    @property
-    def padding(self) -> tuple[float, float] | None:
-        """Ends of the rescaled numbers that stand for "nothing measured here"."""
-        if not self.tag("0028|0120"):
-            return None
-        first = float(self.tag("0028|0120"))
-        last = float(self.tag("0028|0121") or first)
-        # The tag may be written unsigned where the pixels are signed, and the other way round.
-        signed, size = self.tag("0028|0103") == "1", 2.0 ** int(self.tag("0028|0100", "16"))
-        stored = [
-            end - size
-            if signed and end >= size / 2
-            else end + size
-            if not signed and end < 0
-            else end
-            for end in (first, last)
-        ]
-        intercept = float(self.tag("0028|1052") or 0)
-        low, high = sorted(self.slope * end + intercept for end in stored)
-        return low, high
-
-
-def is_dicom(path: Path) -> bool:
-    """Whether a file looks like DICOM: by its preamble, else by its suffix."""
-    with path.open("rb") as file:
-        return file.read(132)[128:] == b"DICM" or path.suffix.lower() in _SUFFIXES
-
-
-def read_dicom(
-    path: Path, series: str | int | None
-) -> tuple[NDArray[Any], dict[str, Any], bool, dict[str, str]]:
-    """Return values, place, whether these are Hounsfield units, and attributes.
+def read_dicom(path: Path, series: str | int | None, *, tilt: str = "resample") -> VolumeContents:
+    """Return a series' values in the order of their places, as the scanner measured them.
 
     Parameters
     ----------
     path : Path
-        A folder, or one file of a series, which stands for all of its series beside it.
+        A folder, a DICOMDIR, or one file of a series, which stands for all of its series beside
+        it.
     series : str, int or None
         The series' id or its number in the list that the error shows.
+    tilt : "resample" or "refuse"
+        What to do with slices of a tilted gantry.
 
     Raises
     ------
@@ -114,29 +42,43 @@ def read_dicom(
         For no DICOM at all, several series and no choice, slices that make no grid, damaged files:
         without the path.
     """
-    if path.is_dir():
-        found, left_out = headers(sorted(path.rglob("*")))
-        found = _chosen(found, series)
+    notes: list[str] = []
+    found = _found(path, series, notes)
+    if len(found) == 1 and (found[0].frames > 1 or found[0].file.frames):
+        planes, numbers = found[0].planes(), _Numbers(found[0])
+        if not (planes[0].has_position and found[0].file.frames) and found[0].offsets is None:
+            notes.append("it doesn't say how far its frames are apart, taken as 1")
     else:
-        found, left_out = headers([path])
-        if not found:
-            raise MeshdepictError("is cut off, damaged or no DICOM")
-        if found[0].frames == 1 and found[0].series:
-            beside, left_out = headers(sorted(path.parent.iterdir()))
-            found = [slice_ for slice_ in beside if slice_.series == found[0].series]
-    if left_out:
-        warnings.warn(
-            f"{path}: DICOM files that hold no image, or are damaged, are left out: "
-            f"{len(left_out)}, the first {left_out[0].name}",
-            MeshdepictWarning,
-            stacklevel=4,
+        planes, numbers = found, _Numbers(None)
+    stack = stacked(planes, numbers.same)
+    if stack.copies:
+        copy, kept = stack.copies[0]
+        notes.append(
+            f"slices that are there twice are left out: {len(stack.copies)}, the first {copy.name} "
+            f"(as {kept.name})"
         )
-    if len(found) == 1 and found[0].frames > 1:
-        values, place = _read(found[0])
-    else:
-        found, place = stacked_place(found)
-        values = _stacked(found)
-    first = found[0]
+    slices = stack.slices
+    hounsfield = all(one.hounsfield for one in slices)
+    first = slices[0]
+    _note_header(slices, hounsfield, notes)
+    values = _stacked([numbers.of(one) for one in slices])
+    place: dict[str, Any] = {
+        "spacing": np.linalg.norm(stack.steps, axis=0),
+        "origin": first.origin,
+        "direction": first.direction,
+    }
+    if stack.tilt:
+        if tilt == "refuse":
+            raise MeshdepictError(
+                "holds slices that are shifted against each other, as the gantry was tilted by "
+                f"{stack.tilt:.3g}°; resample it first, or leave that to --tilt resample"
+            )
+        fill = _AIR if hounsfield else float(values.min())
+        values, place = straightened(values, stack.steps, first.origin, fill)
+        notes.append(
+            f"the gantry was tilted by {stack.tilt:.3g}°, its slices are resampled to a straight "
+            "grid (--tilt refuse)"
+        )
     attributes = {
         name: text
         for name, tag in (
@@ -146,42 +88,63 @@ def read_dicom(
         )
         if (text := first.tag(tag))
     }
-    return values, place, all(slice_.hounsfield for slice_ in found), attributes
+    unit = "mm" if first.has_spacing else ""
+    return VolumeContents(values, place, hounsfield, unit, attributes, notes)
 
 
-def headers(paths: Sequence[Path]) -> tuple[list[Slice], list[Path]]:
-    """Return the headers of those files that are DICOM images, and DICOM files that are none."""
-    found, left_out = [], []
-    with simpleitk() as sitk:
-        reader = sitk.ImageFileReader()
-        reader.SetImageIO("GDCMImageIO")
-        for path in paths:
-            if path.name == "DICOMDIR" or not path.is_file() or not is_dicom(path):
-                continue
-            reader.SetFileName(os.fspath(path))
-            try:
-                reader.ReadImageInformation()
-            except RuntimeError:
-                left_out.append(path)
-                continue
-            direction = np.array(reader.GetDirection())
-            tags = {key: reader.GetMetaData(key) for key in reader.GetMetaDataKeys()}
-            found.append(
-                Slice(
-                    path,
-                    reader.GetSize(),
-                    np.array(reader.GetSpacing()),
-                    np.array(reader.GetOrigin()),
-                    direction.reshape(reader.GetDimension(), -1),
-                    {key: text for key, text in tags.items() if "|" in key},
-                )
-            )
-    return found, left_out
+def _found(path: Path, series: str | int | None, notes: list[str]) -> list[Slice]:
+    """Return the headers of one series, without what is no slice of it."""
+    if path.is_dir():
+        found, left_out = headers(sorted(path.rglob("*")))
+        found = _chosen(found, series)
+    else:
+        file = opened(path)
+        if file.records:
+            found, left_out = headers(_listed(path, file.records))
+            found = _chosen(found, series)
+        elif file.pixels is None:
+            raise MeshdepictError("is DICOM, but holds no image: give the folder of the slices")
+        else:
+            found, left_out = headers([path])
+            if found[0].frames == 1 and found[0].series:
+                own = found[0]
+                beside, left_out = headers(sorted(path.parent.iterdir()))
+                found = [one for one in beside if one.series == own.series]
+    if left_out:
+        notes.append(
+            "DICOM files that hold no image, or are damaged, are left out: "
+            f"{len(left_out)}, the first {left_out[0].name}"
+        )
+    return _without_localisers(found, notes)
+
+
+def _listed(path: Path, records: Sequence[dict[str, str]]) -> list[Path]:
+    """Return the files that a DICOMDIR lists and that are there."""
+    names = [
+        [printable(part.strip(" \0")) for part in record["0004|1500"].split("\\")]
+        for record in records
+        if record.get("0004|1500", "").strip(" \0")
+    ]
+    if not names:
+        raise MeshdepictError("is a DICOMDIR that lists no files: give the folder of the slices")
+    found = []
+    for parts in names:
+        for spelt in (parts, [part.lower() for part in parts]):  # as CDs are copied
+            file = inside(path.parent, "/".join(spelt), "file")
+            if file.exists():
+                found.append(file)
+                break
+    if not found:
+        raise MeshdepictError(
+            f"is a DICOMDIR: it lists {len(names):,} files, and none is beside it; give the folder "
+            "of the slices"
+        )
+    return sorted(set(found))
 
 
 def _chosen(found: list[Slice], series: str | int | None) -> list[Slice]:
     groups: dict[str, list[Slice]] = {}
-    for slice_ in sorted(found, key=lambda one: (int(one.tag("0020|0011") or 0), one.series)):
+    for slice_ in sorted(found, key=lambda one: (one.number("0020|0011", 0), one.series)):
         groups.setdefault(slice_.series, []).append(slice_)
     if not groups:
         raise MeshdepictError("holds no DICOM images")
@@ -203,48 +166,81 @@ def _chosen(found: list[Slice], series: str | int | None) -> list[Slice]:
     )
 
 
-def _read(slice_: Slice) -> tuple[NDArray[Any], dict[str, Any]]:
-    """Return the rescaled numbers of one file, in the narrowest type, and its place."""
-    with simpleitk() as sitk:
-        try:
-            image = sitk.ReadImage(str(slice_.path), imageIO="GDCMImageIO")
-        except RuntimeError as error:
-            raise MeshdepictError(
-                f"holds a damaged file, {slice_.path.name}: {reason(error)}"
-            ) from error
-    values = _without_padding(array_of(image), slice_)
-    if values.dtype.kind in "iu":
-        if values.dtype.itemsize > 2:  # ITK leaves room for all that 16 bits and a rescale can be
-            values = values.astype(fitting_integer(values.min(), values.max()))
-    else:
-        values = values.astype(np.float32)
-    return values, place_of(image)
+def _without_localisers(found: list[Slice], notes: list[str]) -> list[Slice]:
+    """Leave out overviews and pictures of screens among slices."""
+    told = [one for one in found if one.is_localiser]
+    if len(told) == len(found):
+        told = []
+    rest = [one for one in found if one not in told]
+    told += apart_from_the_plane(rest)
+    if told:
+        notes.append(
+            f"localisers among the slices are left out: {len(told)}, the first {told[0].name}"
+        )
+    return [one for one in rest if one not in told]
 
 
-def _without_padding(values: NDArray[Any], slice_: Slice) -> NDArray[Any]:
-    """Return numbers whose padding is air: far outside of the scale it would be an edge."""
-    if slice_.padding is None:
+def _note_header(slices: list[Slice], hounsfield: bool, notes: list[str]) -> None:  # noqa: FBT001
+    if any(one.has_commas for one in slices):
+        notes.append("its header has decimal commas, read as points")
+    if not all(one.has_spacing for one in slices):
+        notes.append("it says no pixel spacing, taken as 1")
+    if not hounsfield and slices[0].tag("0028|0004") == "MONOCHROME1":
+        notes.append(
+            "its numbers are meant to be shown inverted (MONOCHROME1), and are taken as they are"
+        )
+
+
+class _Numbers:
+    """The rescaled numbers of slices, from files of one slice each or from one file of many."""
+
+    def __init__(self, file: Slice | None) -> None:
+        self._frames = None if file is None else stored_numbers(file)
+
+    def _stored(self, one: Slice) -> tuple[NDArray[Any], NDArray[np.bool_] | None]:
+        if self._frames is None:
+            numbers, padded = stored_numbers(one)
+            return numbers[0], None if padded is None else padded[0]
+        at = one.frame or 0
+        numbers, padded = self._frames
+        return numbers[at], None if padded is None else padded[at]
+
+    def same(self, one: Slice, other: Slice) -> bool:
+        """Whether two slices hold the same numbers."""
+        alike = (one.slope, one.intercept) == (other.slope, other.intercept)
+        return alike and np.array_equal(self._stored(one)[0], self._stored(other)[0])
+
+    def of(self, one: Slice) -> NDArray[Any]:
+        """Return a slice's rescaled numbers in the narrowest type, its padding as air.
+
+        Far outside of the scale padding would be an edge.
+        """
+        stored, padded = self._stored(one)
+        values = rescaled(stored, one.slope, one.intercept)
+        if padded is None or not padded.any():
+            return values
+        if one.hounsfield:
+            signed = values.astype(np.int32) if values.dtype.kind == "u" else values
+            values = np.where(padded, np.asarray(_AIR, signed.dtype), signed)
+            return _narrow(values)
+        fill = values.min() if padded.all() else values[~padded].min()
+        return np.where(padded, fill, values)
+
+
+def _narrow(values: NDArray[Any]) -> NDArray[Any]:
+    """Return integers in 16 bits where they fit."""
+    if values.dtype.kind != "i":
         return values
-    low, high = slice_.padding
-    half = abs(slice_.slope) / 2
-    padded = (values > low - half) & (values < high + half)
-    if not padded.any():
-        return values
-    if slice_.hounsfield:
-        signed = values.astype(np.int32) if values.dtype.kind == "u" else values
-        return np.where(padded, np.asarray(_AIR, signed.dtype), signed)
-    fill = values.min() if padded.all() else values[~padded].min()
-    return np.where(padded, fill, values)
+    return values.astype(fitting_integer(int(values.min()), int(values.max())), copy=False)
 
 
-def _stacked(slices: Sequence[Slice]) -> NDArray[Any]:
+def _stacked(planes: Sequence[NDArray[Any]]) -> NDArray[Any]:
     """Return all slices' numbers in the type that holds them all.
 
     Each is rescaled by its own slope (in PET they differ): ITK would cut all to the first's type.
     """
-    arrays = [_read(slice_)[0] for slice_ in slices]
-    kind = np.result_type(*arrays)
-    stack = np.empty((len(arrays), *arrays[0].shape[1:]), kind)
-    for at, array in enumerate(arrays):
-        stack[at] = array[0]
+    kind = np.result_type(*{plane.dtype for plane in planes})
+    stack = np.empty((len(planes), *planes[0].shape), kind)
+    for at, plane in enumerate(planes):
+        stack[at] = plane
     return stack

@@ -1,4 +1,4 @@
-"""NIfTI, NRRD and MetaImage through SimpleITK, which knows their directions and rescaling.
+"""SimpleITK: what it unpacks and resamples, and writing NIfTI, NRRD and MetaImage.
 
 SimpleITK is the extra ``[ct]`` and is imported where it is used.
 """
@@ -12,32 +12,40 @@ import shutil
 import tempfile
 import threading
 import warnings
-import zlib
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, BinaryIO
 
 import numpy as np
 from numpy.typing import NDArray
 
 from meshdepict.errors import MeshdepictError, MeshdepictWarning
 from meshdepict.files.atomic import atomic_write
+from meshdepict.io.volume_contents import several_values
+from meshdepict.voxels.length_unit import MILLIMETRES
 
 if TYPE_CHECKING:
-    from meshdepict.shapes.volume import Volume
+    from meshdepict.voxels.grid import Grid
 
-__all__ = ["array_of", "place_of", "read_itk", "reason", "simpleitk", "write_itk"]
+__all__ = ["array_of", "reason", "simpleitk", "write_itk"]
 
+_LENGTH_UNIT = "meshdepict_length_unit"
 _UNIT = "meshdepict_unit"  # our keys in files that take any (NRRD, MetaImage)
 PROVENANCE = "meshdepict_provenance"
 _NIFTI = (".nii", ".nii.gz")
+_UNIT_CODES = {"m": 1, "mm": 2, "µm": 3}  # NIfTI's, at byte 123 of its header
 _one_at_a_time = threading.RLock()  # ITK has one logger for all threads
 
 
 @contextmanager
-def simpleitk() -> Iterator[Any]:
+def simpleitk(noise: list[str] | None = None) -> Iterator[Any]:
     """Give the module SimpleITK; what ITK warns of becomes this package's warnings.
+
+    Parameters
+    ----------
+    noise : list of str, optional
+        Gets the warnings instead, for what says more than they do.
 
     Raises
     ------
@@ -48,8 +56,8 @@ def simpleitk() -> Iterator[Any]:
         sitk: Any = _module()
     except ImportError as error:
         raise MeshdepictError(
-            "DICOM, NIfTI, NRRD, MetaImage and TIFF volumes need SimpleITK, which is not "
-            "installed: pip install 'meshdepict[ct]'"
+            "compressed DICOM and TIFF, tilted grids, and writing NIfTI, NRRD and MetaImage need "
+            "SimpleITK, which is not installed: pip install 'meshdepict[ct]'"
         ) from error
 
     class Collector(sitk.LoggerBase):
@@ -68,8 +76,11 @@ def simpleitk() -> Iterator[Any]:
             yield sitk
         finally:
             before.SetAsGlobalITKLogger()
-    for text in told:
-        warnings.warn(reason(text), MeshdepictWarning, stacklevel=4)
+    told = list(dict.fromkeys(map(reason, told)))
+    if noise is not None:
+        noise += told
+    elif told:
+        warnings.warn("; ".join(told), MeshdepictWarning, stacklevel=4)
 
 
 def _module() -> Any:
@@ -85,53 +96,47 @@ def reason(text: object) -> str:
     return re.sub(r"^(?:\w+::)?(?:ITK )?(?:ERROR|WARNING): |\w+ ?\(0x\w+\): ", "", line)
 
 
-def read_itk(path: Path) -> tuple[NDArray[Any], dict[str, Any], bool]:
-    """Return values, place (the keywords of `Volume`), and whether these are Hounsfield units.
-
-    The values share ITK's memory.
-
-    Raises
-    ------
-    MeshdepictError
-        For a damaged file, another number of dimensions than three, several values in a voxel:
-        without the file's name.
-    """
-    with simpleitk() as sitk:
-        try:
-            image = sitk.ReadImage(str(path))
-        except RuntimeError as error:
-            raise MeshdepictError(
-                f"is cut off, damaged or not what its suffix says: {reason(error)}"
-            ) from error
-    if path.name.lower().endswith(_NIFTI):
-        _check_length(path, image)
-    unit = image.GetMetaData(_UNIT) if image.HasMetaDataKey(_UNIT) else "raw"
-    return array_of(image), place_of(image), unit == "HU"
-
-
-def write_itk(
-    path: Path, values: NDArray[Any], volume: Volume, comments: Sequence[str] = ()
-) -> None:
+def write_itk(path: Path, values: NDArray[Any], grid: Grid, comments: Sequence[str] = ()) -> None:
     """Write scalar or RGBA values on a volume's grid, wholly or not at all."""
-    suffix = "".join(path.suffixes[-2:]) if path.suffix == ".gz" else path.suffix
+    suffix = ("".join(path.suffixes[-2:]) if path.suffix == ".gz" else path.suffix).lower()
+    nifti = suffix in _NIFTI
+    # NIfTI knows three units; lengths in others are written in mm.
+    told = grid.length_unit in ("", *_UNIT_CODES) or not nifti
+    scale = 1.0 if told else MILLIMETRES.get(grid.length_unit, 1.0)
     with simpleitk() as sitk, atomic_write(path) as file:
         image = sitk.GetImageFromArray(values, isVector=values.ndim == 4)
-        image.SetSpacing(volume.spacing.tolist())
-        image.SetOrigin(volume.origin.tolist())
-        image.SetDirection(volume.direction.ravel().tolist())
+        image.SetSpacing((grid.spacing * scale).tolist())
+        image.SetOrigin((grid.origin * scale).tolist())
+        image.SetDirection(grid.direction.ravel().tolist())
         if values.ndim == 3:
-            image.SetMetaData(_UNIT, volume.unit)
-        if comments and suffix.lower() not in _NIFTI:
+            image.SetMetaData(_UNIT, grid.unit)
+        if grid.length_unit and not nifti:
+            image.SetMetaData(_LENGTH_UNIT, grid.length_unit.replace("µ", "u"))
+        if comments and not nifti:
             image.SetMetaData(PROVENANCE, "; ".join(comments))
         # ITK chooses the format by the suffix, which the file to be renamed doesn't have.
         with tempfile.TemporaryDirectory(prefix=".", dir=Path(file.name).parent) as folder:
-            whole = Path(folder) / f"volume{suffix.lower()}"
+            whole = Path(folder) / ("volume.nii" if nifti else f"volume{suffix}")
             try:
                 sitk.WriteImage(image, str(whole), useCompression=suffix == ".nrrd")
             except RuntimeError as error:
                 raise OSError(reason(error)) from error
+            if nifti:  # ITK claims mm whatever it is given
+                code = _UNIT_CODES.get(grid.length_unit, 0 if told else 2)
+                with whole.open("r+b") as header:
+                    header.seek(123)
+                    header.write(bytes([code]))
             with whole.open("rb") as stream:
-                shutil.copyfileobj(stream, file, 1 << 20)
+                _copy(stream, file, pack=suffix == ".nii.gz")
+
+
+def _copy(source: BinaryIO, target: BinaryIO, *, pack: bool) -> None:
+    """Copy a file, packed where that is wanted, the same way at any time."""
+    if pack:
+        with gzip.GzipFile("", "wb", 6, target, mtime=0) as packed:
+            shutil.copyfileobj(source, packed, 1 << 20)
+    else:
+        shutil.copyfileobj(source, target, 1 << 20)
 
 
 def array_of(image: Any) -> NDArray[Any]:
@@ -149,7 +154,7 @@ def array_of(image: Any) -> NDArray[Any]:
         )
     if image.GetNumberOfComponentsPerPixel() != 1:
         count = image.GetNumberOfComponentsPerPixel()
-        raise MeshdepictError(f"has {count} values in a voxel, not one")
+        raise several_values(count)
     return np.asarray(_Held(image))
 
 
@@ -159,32 +164,3 @@ class _Held:
     def __init__(self, image: Any) -> None:
         self.image = image
         self.__array_interface__ = _module().GetArrayViewFromImage(image).__array_interface__
-
-
-def place_of(image: Any) -> dict[str, Any]:
-    """Return where an image of three dimensions is, as keywords of `Volume`."""
-    return {
-        "spacing": np.array(image.GetSpacing()),
-        "origin": np.array(image.GetOrigin()),
-        "direction": np.array(image.GetDirection()).reshape(3, 3),
-    }
-
-
-def _check_length(path: Path, image: Any) -> None:
-    """Refuse a NIfTI file that is cut off: ITK fills what is missing without a word."""
-    key = image.GetMetaData
-    voxels = image.GetNumberOfPixels() * image.GetNumberOfComponentsPerPixel()
-    needed = int(float(key("vox_offset"))) + voxels * int(key("bitpix")) // 8
-    found = path.stat().st_size
-    with path.open("rb") as file:
-        if file.read(2) == b"\x1f\x8b":
-            found = 0
-            file.seek(0)
-            try:
-                with gzip.open(file) as unpacked:
-                    while part := unpacked.read(1 << 20):
-                        found += len(part)
-            except (EOFError, OSError, zlib.error) as error:
-                raise MeshdepictError(f"is cut off or damaged: {error}") from error
-    if found < needed:
-        raise MeshdepictError(f"is cut off: it holds {found:,} of {needed:,} bytes")

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import os
-import re
-import struct
 from pathlib import Path
 from typing import Any
 
@@ -12,84 +9,133 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshdepict.errors import MeshdepictError
+from meshdepict.files.limits import check_claim
 from meshdepict.io.itk import array_of, reason, simpleitk
+from meshdepict.io.tiff_pages import Page, Scale, scale_of, tiff_pages
+from meshdepict.io.volume_contents import VolumeContents, check_amount, several_values
 
-__all__ = ["TIFF", "read_tiff_stack", "tiff_slices"]
+__all__ = ["TIFF", "read_tiff", "tiff_slice"]
 
 TIFF = (".tif", ".tiff")
 
-
-def tiff_slices(folder: Path) -> list[Path]:
-    """Return a folder's TIFF files, slice 10 after slice 9."""
-    found = [path for path in folder.iterdir() if path.suffix.lower() in TIFF]
-    return sorted(found, key=lambda path: _natural(path.name))
+_PALETTE = 3
 
 
-def _natural(name: str) -> list[tuple[int, str]]:
-    return [(int(digits or -1), text) for digits, text in re.findall(r"(\d+)|(\D+)", name.lower())]
-
-
-def read_tiff_stack(path: Path) -> NDArray[Any]:
+def read_tiff(path: Path) -> VolumeContents:
     """Return the values (nz, ny, nx): y runs down the pages, z through them.
+
+    ImageJ's and OME's spacings are believed.
 
     Raises
     ------
     MeshdepictError
         For a damaged file, colours, and pages that differ in size or type: without the path.
     """
-    if path.is_file():
-        return _pages(path)
-    slices = tiff_slices(path)
-    first = _pages(slices[0])
-    stack = np.empty((len(slices), *first.shape[1:]), first.dtype)
-    for at, name in enumerate(slices):
-        page = _pages(name)
-        if page.shape != (1, *stack.shape[1:]) or page.dtype != stack.dtype:
+    notes: list[str] = []
+    values, scale = _pages(path, notes)
+    return VolumeContents(
+        values,
+        {"spacing": scale.spacing} if scale.spacing else {},
+        length_unit=scale.unit,
+        notes=notes,
+    )
+
+
+def tiff_slice(path: Path) -> tuple[NDArray[Any], Scale]:
+    """Return the pages of one of a folder's files, and its scale."""
+    return _pages(path, [])
+
+
+def _pages(path: Path, notes: list[str]) -> tuple[NDArray[Any], Scale]:
+    pages = tiff_pages(path)
+    first, scale = pages[0], scale_of(pages[0])
+    if scale.several:
+        raise MeshdepictError(
+            f"holds several {scale.several}: save one of them as a stack of its own"
+        )
+    samples = first.get("samples", 1)
+    if samples != 1 or first.get("photometric", 1) == 2:
+        raise several_values(max(samples, 3))
+    if first.get("photometric", 1) == 0:
+        raise MeshdepictError(f"counts white as zero: {path.name}; save it with black as zero")
+    if not first.kind:
+        raise MeshdepictError(
+            f"has {first.get('bits', 1)} bits in a pixel: {path.name}; save it with 8, 16 or 32"
+        )
+    for number, page in enumerate(pages, 1):
+        if page.alike != first.alike:
             raise MeshdepictError(
-                f"holds slices of different size or type: {slices[0].name} "
-                f"({_described(first)}) and {name.name} ({_described(page)})"
+                f"holds pages of different size or type: page 1 ({described(first)}) and page "
+                f"{number} ({described(page)})"
             )
-        stack[at] = page[0]
+    if all(page.get("compression", 1) == 1 and "tile" not in page.entries for page in pages):
+        return _plain(path, pages, scale, notes), scale
+    if first.get("photometric", 1) == _PALETTE:
+        raise MeshdepictError(
+            f"holds numbers of colours, compressed: {path.name}; save it as grey values"
+        )
+    return _unpacked(path, pages), scale
+
+
+def _plain(path: Path, pages: list[Page], scale: Scale, notes: list[str]) -> NDArray[Any]:
+    """Return what lies in the file as it is."""
+    first, size = pages[0], path.stat().st_size
+    kind = np.dtype(first.kind).newbyteorder(first.order)  # type: ignore[arg-type]
+    rows, columns = first.shape
+    slice_ = rows * columns * kind.itemsize
+    if len(pages) == 1 and scale.slices > 1:  # ImageJ's way round TIFF's 4 GB
+        offsets = first.entries.get("offsets", [0])
+        start = int(offsets[0])
+        check_amount((columns, rows, scale.slices), kind.itemsize, max(size - start, 0), [])
+        return np.fromfile(path, kind, scale.slices * rows * columns, offset=start).reshape(
+            scale.slices, rows, columns
+        )
+    if scale.slices > 1 and scale.slices != len(pages):
+        notes.append(f"its first page says {scale.slices:,} slices, and {len(pages):,} are there")
+    if slice_ * len(pages) > size:
+        raise MeshdepictError(
+            f"is cut off or damaged: {path.name}, its pages claim more pixels than the file holds"
+        )
+    check_claim(slice_ * len(pages), size, "pixels")
+    stack = np.empty((len(pages), rows, columns), np.dtype(first.kind))
+    with path.open("rb") as file:
+        for at, page in enumerate(pages):
+            data = bytearray()
+            offsets, lengths = (page.entries.get(name, []) for name in ("offsets", "lengths"))
+            if len(offsets) == 1 and not lengths:
+                lengths = [slice_]
+            for offset, length in zip(offsets, lengths, strict=False):
+                file.seek(offset)
+                data += file.read(min(length, slice_ - len(data)))
+            if len(data) < slice_:
+                raise MeshdepictError(f"is cut off or damaged: {path.name}, page {at + 1}")
+            stack[at] = np.frombuffer(data, kind).reshape(rows, columns)
     return stack
 
 
-def _pages(path: Path) -> NDArray[Any]:
-    _check_pages(path)
-    with simpleitk() as sitk:
+def _unpacked(path: Path, pages: list[Page]) -> NDArray[Any]:
+    """Let ITK unpack compressed and tiled pages."""
+    first, size = pages[0], path.stat().st_size
+    rows, columns = first.shape
+    needed = len(pages) * rows * columns * np.dtype(first.kind).itemsize
+    check_claim(needed, size, "pixels")
+    noise: list[str] = []
+    with simpleitk(noise) as sitk:
         try:
             image = sitk.ReadImage(str(path), imageIO="TIFFImageIO")
         except RuntimeError as error:
             raise MeshdepictError(f"is damaged: {path.name}: {reason(error)}") from error
-    if image.GetDimension() == 2:
-        image = sitk.JoinSeries(image)
-    return array_of(image)
+        if image.GetDimension() == 2:
+            image = sitk.JoinSeries(image)
+    values = array_of(image)
+    if values.shape != (len(pages), rows, columns) or values.dtype != first.kind:
+        raise MeshdepictError(
+            f"is damaged: {path.name}, its pages unpack to another size than they claim"
+        )
+    return values
 
 
-def _check_pages(path: Path) -> None:
-    """Refuse a file whose chain of pages is broken: ITK follows it as far as it gets.
-
-    A TIFF's header gives the place of the first page's directory; each gives that of the next one
-    after its entries.
-    """
-    size = path.stat().st_size
-    with path.open("rb") as file:
-        head = file.read(16)
-        order = {b"II": "<", b"MM": ">"}.get(head[:2], "<")
-        is_big = head[2:4] in (b"+\0", b"\0+")  # version 43
-        offset, count, entry = ("Q", "Q", 20) if is_big else ("I", "H", 12)
-        offset, count = order + offset, order + count
-        try:
-            at, pages = struct.unpack_from(offset, head, 8 if is_big else 4)[0], 0
-            while at and pages < size:
-                file.seek(at)
-                (entries,) = struct.unpack(count, file.read(struct.calcsize(count)))
-                file.seek(entries * entry, os.SEEK_CUR)
-                (at,) = struct.unpack(offset, file.read(struct.calcsize(offset)))
-                pages += 1
-        except (struct.error, OverflowError) as error:
-            raise MeshdepictError(f"is cut off or damaged: {path.name}") from error
-
-
-def _described(pages: NDArray[Any]) -> str:
-    count, height, width = pages.shape
-    return f"{width} x {height} {pages.dtype}" + (f", {count} pages" if count > 1 else "")
+def described(page: Page) -> str:
+    """Return a page's size and type."""
+    rows, columns = page.shape
+    return f"{columns} x {rows} {np.dtype(page.kind or 'u1')}"

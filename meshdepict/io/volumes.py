@@ -1,28 +1,36 @@
-"""Reading and writing volumes: DICOM, NIfTI, NRRD, MetaImage, VTI, TIFF stacks and NumPy arrays."""
+"""Reading and writing volumes: DICOM, NIfTI, NRRD, MetaImage, VTI, stacks and NumPy arrays."""
 
 from __future__ import annotations
 
 import os
+import re
 import warnings
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from meshdepict.errors import MeshdepictError, MeshdepictWarning
 from meshdepict.files.reach import regular
+from meshdepict.io.dicom_elements import looks_like_dicom
+from meshdepict.io.volume_contents import VolumeContents
+from meshdepict.voxels.volume_input import checked_values, three_numbers
 
 if TYPE_CHECKING:
     from meshdepict.shapes.volume import Volume
 
 __all__ = ["WRITABLE_VOLUMES", "is_volume_path", "read_volume", "write_volume"]
 
-_ITK = (".nii", ".nii.gz", ".nrrd", ".nhdr", ".mha", ".mhd")
 _TIFF = (".tif", ".tiff")
 _DICOM = (".dcm", ".dicom", ".ima")
-_READABLE = (*_DICOM, *_ITK, ".vti", *_TIFF, ".npy")
+_READERS = {
+    ".nii": "nifti", ".nii.gz": "nifti", ".nrrd": "nrrd", ".nhdr": "nrrd", ".mha": "metaimage",
+    ".mhd": "metaimage", ".vti": "vti", ".npy": "npy",
+} | dict.fromkeys(_TIFF, "tiff") | dict.fromkeys(_DICOM, "dicom")  # fmt: skip
+_READABLE = (*_DICOM, ".nii", ".nii.gz", ".nrrd", ".nhdr", ".mha", ".mhd", ".vti", *_TIFF, ".npy")
+_IMPOSSIBLE = (-2048, 40_000)  # no scanner's numbers in HU are beyond
 WRITABLE_VOLUMES = (".vti", ".nrrd", ".mha", ".nii", ".nii.gz")
 """Suffixes that `write_volume` takes."""
 
@@ -40,7 +48,10 @@ def is_volume_path(path: str | os.PathLike[str]) -> bool:
         return suffix not in _TIFF
     if path.is_file() and path.suffix.lower() not in (".gz",):
         with path.open("rb") as file:
-            return file.read(132)[128:] == b"DICM"
+            start = file.read(132)
+        if not re.fullmatch(r"(\.\d+)?", path.suffix) and start[128:] != b"DICM":
+            return False  # files without the preamble have no suffix either, but an id for a name
+        return looks_like_dicom(start, path.stat().st_size)
     return False
 
 
@@ -51,18 +62,20 @@ def read_volume(
     slope: float | None = None,
     intercept: float | None = None,
     spacing: ArrayLike | None = None,
+    tilt: str = "resample",
 ) -> Volume:
     """Read a volume with its spacing, origin and direction, in the patient's frame (LPS).
 
-    Rescaling in the file is applied. CT from DICOM is in Hounsfield units; other formats don't say
-    so, and their numbers count as raw unless this program wrote the file.
+    Lengths stay in the unit that the file says: `Volume.length_unit`. Rescaling in the file is
+    applied. CT from DICOM is in Hounsfield units; other formats don't say so, and their numbers
+    count as raw unless this program wrote the file.
 
     Parameters
     ----------
     path : str or path-like
-        A folder of DICOM files (its subfolders included) or one file of a series; .nii, .nii.gz,
-        .nrrd, .nhdr, .mha, .mhd, .vti; a .tif of many pages or a folder of .tif slices; .npy, an
-        array (z, y, x), which is mapped into memory.
+        A folder of DICOM files (its subfolders included), a DICOMDIR, or one file of a series;
+        .nii, .nii.gz, .nrrd, .nhdr, .mha, .mhd, .vti; a .tif of many pages, or a folder of slices
+        as TIFF, BMP, PNG or JPEG; .npy, an array (z, y, x), which is mapped into memory.
     series : str or int, optional
         Which of several DICOM series in a folder: its id, or its number in the list that the
         error shows.
@@ -70,7 +83,10 @@ def read_volume(
         Turn raw numbers into Hounsfield units; 1 and 0 say that they are already. One alone takes
         1 or 0 for the other.
     spacing : (3,) array_like, optional
-        Distances of voxels in x, y and z, in mm, for files without: TIFF and .npy.
+        Distances of voxels in x, y and z, for files without: TIFF and other images, .npy.
+    tilt : "resample" or "refuse"
+        What to do with the slices of a tilted gantry, and other grids whose slices lie obliquely
+        on each other.
 
     Returns
     -------
@@ -84,29 +100,18 @@ def read_volume(
         `Volume` refuses, options that don't go with the format, and where SimpleITK is needed but
         not installed: one sentence that begins with the path.
     """
-    from meshdepict.shapes.volume import Volume
+    from meshdepict.io.tilt import check_tilt
 
     path = Path(path)
+    check_tilt(tilt)
     regular(path)
     try:
         kind = _kind(path)
         if series is not None and kind != "dicom":
             raise MeshdepictError("is no DICOM, so that there is no series to choose")
-        if spacing is not None and kind not in ("tiff", "npy"):
-            raise MeshdepictError("says its spacing itself: leave spacing= out")
-        if spacing is None and kind in ("tiff", "npy"):
-            warnings.warn(
-                f"{path}: no spacing is given, taken as 1 along every axis (spacing=)",
-                MeshdepictWarning,
-                stacklevel=2,
-            )
-            spacing = (1.0, 1.0, 1.0)
-        values, place, hounsfield, attributes = _contents(path, kind, series)
-        if spacing is not None:
-            place["spacing"] = spacing
-        volume = Volume(values, **place, hounsfield=hounsfield, attributes=attributes)
-        if slope is not None or intercept is not None:
-            volume = volume.rescaled(1 if slope is None else slope, intercept or 0)
+        contents = _contents(path, kind, series, tilt)
+        _place(contents, spacing, kind, tilt)
+        volume = _volume(contents, slope, intercept)
     except MeshdepictError as error:
         text = str(error)
         joint = " " if text.split(" ", 1)[0] in _VERBS else ": "
@@ -115,10 +120,91 @@ def read_volume(
         raise MeshdepictError(f"{path} may not be read: permission denied") from None
     except OSError as error:
         raise MeshdepictError(f"{path} could not be read: {error.strerror or error}") from error
+    except MemoryError:
+        raise MeshdepictError(f"{path} takes more memory than there is") from None
+    if contents.notes:
+        warnings.warn(f"{path}: {'; '.join(contents.notes)}", MeshdepictWarning, stacklevel=2)
     return volume
 
 
-_VERBS = ("is", "has", "holds", "lacks", "says")  # sentences whose subject is the file
+def _place(contents: VolumeContents, spacing: ArrayLike | None, kind: str, tilt: str) -> None:
+    """Bring a file's place to the keywords of `Volume`."""
+    place = contents.place
+    if spacing is not None:
+        if kind not in _UNPLACED and not {"spacing", "steps"}.isdisjoint(place):
+            raise MeshdepictError("says its spacing itself: leave spacing= out")
+        place["spacing"] = spacing
+        contents.length_unit = "" if kind in _UNPLACED else contents.length_unit
+    elif "steps" in place:
+        _straighten(contents, tilt)
+    elif "spacing" not in place:
+        contents.notes.append("no spacing is given, taken as 1 along every axis (spacing=)")
+
+
+def _straighten(contents: VolumeContents, tilt: str) -> None:
+    """Turn the steps from voxel to voxel into spacing and direction, of a tilted grid resampled."""
+    from meshdepict.io.tilt import straightened, tilt_of
+
+    place = contents.place
+    steps = np.asarray(place.pop("steps"), np.float64)
+    lengths = np.linalg.norm(steps, axis=0)
+    place["spacing"] = lengths
+    place["direction"] = steps / np.where(lengths > 0, lengths, 1.0)
+    if not (lengths > 0).all():
+        place["direction"] = np.eye(3)  # `Volume` refuses the spacing
+    angle = tilt_of(steps)
+    if not angle:  # straight, or sheared in its slices, which `Volume` refuses
+        return
+    if tilt == "refuse":
+        raise MeshdepictError(
+            f"has slices that lie obliquely on each other, by {angle:.3g}°: resample it first, or "
+            "leave that to --tilt resample"
+        )
+    values = checked_values(contents.values)
+    origin = three_numbers(place.get("origin", (0, 0, 0)), "origin")
+    contents.values, found = straightened(values, steps, origin, float(values.min()))
+    place |= found
+    contents.notes.append(
+        f"its slices lie obliquely on each other, by {angle:.3g}°, and are resampled to a straight "
+        "grid (--tilt refuse)"
+    )
+
+
+def _volume(contents: VolumeContents, slope: float | None, intercept: float | None) -> Volume:
+    """Return the volume, and note numbers that can't be Hounsfield units."""
+    from meshdepict.shapes.volume import Volume
+
+    volume = Volume(
+        contents.values,
+        **contents.place,
+        hounsfield=contents.hounsfield,
+        attributes=contents.attributes,
+        length_unit=contents.length_unit,
+    )
+    if slope is not None or intercept is not None:
+        volume = volume.rescaled(1 if slope is None else slope, intercept or 0)
+    if volume.hounsfield:
+        low, high = volume.range
+        if low < _IMPOSSIBLE[0] or high > _IMPOSSIBLE[1]:
+            contents.notes.append(
+                f"its numbers, {low:g} … {high:g}, can't be the Hounsfield units that it says they "
+                "are"
+            )
+    return volume
+
+
+_UNPLACED = ("tiff", "images", "npy")  # formats without a place, or with one that few write
+
+_VERBS = (
+    "is",
+    "has",
+    "holds",
+    "lacks",
+    "says",
+    "names",
+    "counts",
+    "claims",
+)  # sentences whose subject is the file
 
 
 def write_volume(
@@ -181,48 +267,66 @@ def _kind(path: Path) -> str:
     if not path.exists():
         raise MeshdepictError("there is no such file or folder")
     if path.is_dir():
-        from meshdepict.io.tiff_stack import tiff_slices
+        from meshdepict.io.image_stack import IMAGES, image_slices
 
-        return "tiff" if tiff_slices(path) else "dicom"
+        found = image_slices(path)
+        if not found:
+            return "dicom"
+        if found[0].suffix.lower() in IMAGES and _has_dicom(path):  # previews beside the slices
+            return "dicom"
+        return "images"
     if path.stat().st_size == 0:
         raise MeshdepictError("is empty")
-    suffix = _suffix(path)
-    if suffix in (".vti", ".npy"):
-        return suffix[1:]
-    if suffix in _ITK:
-        return "itk"
-    if suffix in _TIFF:
-        return "tiff"
-    if suffix in _DICOM or is_volume_path(path):
+    kind = _READERS.get(_suffix(path))
+    if kind:
+        return kind
+    if is_volume_path(path):
         return "dicom"
+    from meshdepict.io.image_stack import IMAGES
+
+    if path.suffix.lower() in IMAGES:
+        raise MeshdepictError("is a single image: give the folder of all slices")
     raise MeshdepictError(
         f"its format is unknown; volumes are read from {', '.join(_READABLE)} and folders"
     )
 
 
-def _contents(
-    path: Path, kind: str, series: str | int | None
-) -> tuple[NDArray[Any], dict[str, Any], bool, dict[str, str]]:
-    """Return values, place (the keywords of `Volume`), whether in HU, and attributes."""
+def _has_dicom(folder: Path) -> bool:
+    from meshdepict.io.dicom_header import is_dicom
+
+    return any(path.is_file() and is_dicom(path) for path in folder.iterdir())
+
+
+def _contents(path: Path, kind: str, series: str | int | None, tilt: str) -> VolumeContents:
+    """Return what a file or folder holds."""
     if kind == "dicom":
         from meshdepict.io.dicom import read_dicom
 
-        return read_dicom(path, series)
-    if kind == "tiff":
-        from meshdepict.io.tiff_stack import read_tiff_stack
+        return read_dicom(path, series, tilt=tilt)
+    if kind == "nifti":
+        from meshdepict.io.nifti import read_nifti
 
-        return read_tiff_stack(path), {}, False, {}
+        return read_nifti(path)
+    if kind == "nrrd":
+        from meshdepict.io.nrrd import read_nrrd
+
+        return read_nrrd(path)
+    if kind == "metaimage":
+        from meshdepict.io.metaimage import read_metaimage
+
+        return read_metaimage(path)
     if kind == "vti":
         from meshdepict.io.vti import read_vti
 
-        values, place, unit = read_vti(path)
-        return values, place, unit == "HU", {}
-    if kind == "itk":
-        from meshdepict.io.itk import read_itk
+        return read_vti(path)
+    if kind == "tiff":
+        from meshdepict.io.tiff_stack import read_tiff
 
-        values, place, hounsfield = read_itk(path)
-        return values, place, hounsfield, {}
-    try:
-        return np.load(path, mmap_mode="r", allow_pickle=False), {}, False, {}
-    except (ValueError, EOFError) as error:
-        raise MeshdepictError(f"is cut off, damaged or no array: {error}") from error
+        return read_tiff(path)
+    if kind == "images":
+        from meshdepict.io.image_stack import read_image_stack
+
+        return read_image_stack(path)
+    from meshdepict.io.npy import read_npy
+
+    return read_npy(path)

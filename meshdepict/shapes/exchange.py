@@ -12,6 +12,7 @@ from meshdepict.errors import MeshdepictError
 from meshdepict.shapes.document import Contents, Document
 from meshdepict.surface.polygons import Polygons, strip_triangles
 from meshdepict.voxels.grid import Grid
+from meshdepict.voxels.length_unit import length_unit
 
 __all__ = [
     "image_contents",
@@ -206,6 +207,8 @@ def image_of(values: NDArray[Any], grid: Grid) -> Any:
     else:
         image.point_data["values"] = values.reshape(-1)
         image.field_data["unit"] = [grid.unit]
+        if grid.length_unit:
+            image.field_data["length_unit"] = [grid.length_unit.replace("µ", "u")]  # VTK's ASCII
     return image
 
 
@@ -220,10 +223,13 @@ def image_contents(image: Any) -> tuple[NDArray[Any], dict[str, Any], str | None
     import pyvista as pv
 
     if not isinstance(image, pv.ImageData):
-        raise MeshdepictError(f"holds {type(image).__name__}, not image data of a regular grid")
+        raise MeshdepictError(_no_image(image))
     values, at_cells = _scalars(image)
     if values.ndim > 1:
-        raise MeshdepictError(f"has {values.shape[1]} values in a voxel, not one")
+        raise MeshdepictError(
+            f"has {values.shape[1]} values in a voxel, not one: make one of the components, or "
+            "their grey values, the active scalars"
+        )
     # Voxels are numbered from the extent's low corner, which need not be (0, 0, 0).
     low = np.array(image.extent[::2], np.float64) + (0.5 if at_cells else 0.0)
     shape = [max(n - 1, 1) if at_cells else n for n in image.dimensions]
@@ -234,7 +240,27 @@ def image_contents(image: Any) -> tuple[NDArray[Any], dict[str, Any], str | None
         "direction": direction,
     }
     unit = str(image.field_data["unit"][0]) if "unit" in image.field_data else None
+    if "length_unit" in image.field_data:
+        place["length_unit"] = length_unit(str(image.field_data["length_unit"][0]))
     return np.asarray(values).reshape(shape[::-1]), place, unit
+
+
+def _no_image(data: Any) -> str:
+    """Return what other data than an image are, and which call makes a volume of them."""
+    import pyvista as pv
+
+    name = type(data).__name__
+    said = f"holds {name}, not image data of a regular grid"
+    if isinstance(data, pv.MultiBlock):
+        return f"{said}: give one of its blocks, such as Volume.from_pyvista(blocks[0])"
+    if isinstance(data, pv.PolyData):
+        return f"{said}: it is a surface, for Mesh.from_pyvista(data) and bake(data)"
+    if isinstance(data, pv.DataSet):
+        return (
+            f"{said}: resample it, pyvista.ImageData(dimensions=(…), spacing=(…), origin=(…))"
+            ".sample(data), or bake its surface, data.extract_surface()"
+        )
+    return said
 
 
 def _scalars(image: Any) -> tuple[NDArray[Any], bool]:

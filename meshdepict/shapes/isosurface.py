@@ -15,7 +15,8 @@ __all__ = ["isosurface"]
 def isosurface(volume: Volume, value: float) -> Mesh:
     """Return the surface where a volume has a value, in world coordinates (marching cubes).
 
-    Faces look towards lower values, out of dense things.
+    Faces look towards lower values, out of dense things and into the voids in them: the gradient
+    says so everywhere, and nothing is turned afterwards.
 
     Parameters
     ----------
@@ -46,4 +47,4 @@ def isosurface(volume: Volume, value: float) -> Mesh:
     vertices = volume.to_world(np.asarray(found.points, np.float64))
     if np.linalg.det(volume.direction) < 0:
         faces = faces[:, ::-1]
-    return Mesh(vertices, faces)
+    return Mesh(vertices, faces, winding="keep")

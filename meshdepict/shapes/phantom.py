@@ -91,6 +91,7 @@ def ct_phantom(
         origin=origin,
         hounsfield=True,
         attributes={"description": "procedural head"},
+        length_unit="mm",
     )
 
 

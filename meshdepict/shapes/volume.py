@@ -1,7 +1,7 @@
 """Volume: a grid of CT numbers with its place in the world, validated once, never copied.
 
-World space is the patient's: x to the left, y to the back, z to the head (LPS), in millimetres, as
-in DICOM and SimpleITK. Files of other conventions (NIfTI's RAS) are turned when they are read.
+World space is the patient's: x to the left, y to the back, z to the head (LPS), as in DICOM and
+SimpleITK. Files of other conventions (NIfTI's RAS) are turned when they are read.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ class Volume(Grid):
         Integers or floats, x fastest in memory. An array of the right layout, also a memory-mapped
         one, is used as it is and must not be changed afterwards.
     spacing : (3,) array_like
-        Distances between voxels along the grid's x, y and z, in world units (mm).
+        Distances between voxels along the grid's x, y and z, in world units.
     origin : (3,) array_like
         World position of the centre of voxel ``values[0, 0, 0]``.
     direction : (3, 3) array_like
@@ -50,6 +50,8 @@ class Volume(Grid):
         Whether the values are Hounsfield units.
     attributes : mapping, optional
         What else is known, such as the series' description.
+    length_unit : str
+        What a world unit is, "mm" or "µm" for instance; "" where nobody says.
 
     Attributes
     ----------
@@ -58,6 +60,7 @@ class Volume(Grid):
     direction : (3, 3) ndarray of float64
     hounsfield : bool
     attributes : mapping
+    length_unit : str
 
     Raises
     ------
@@ -75,13 +78,14 @@ class Volume(Grid):
         direction: ArrayLike | None = None,
         hounsfield: bool = False,
         attributes: Mapping[str, Any] | None = None,
+        length_unit: str = "",
     ) -> None:
         self.values = frozen(checked_values(values).view())
         if attributes is not None and not isinstance(attributes, Mapping):
             raise MeshdepictError(f"attributes={attributes!r} is no mapping of names to values")
         super().__init__(
             self.values.shape, spacing=spacing, origin=origin, direction=direction,
-            hounsfield=hounsfield,
+            hounsfield=hounsfield, length_unit=length_unit,
         )  # fmt: skip
         self.attributes = dict(attributes or {})
         self._check_contents()
@@ -162,6 +166,7 @@ class Volume(Grid):
             direction=self.direction,
             hounsfield=True,
             attributes=self.attributes,
+            length_unit=self.length_unit,
         )
 
     def cropped(
@@ -198,6 +203,7 @@ class Volume(Grid):
             direction=self.direction,
             hounsfield=self.hounsfield,
             attributes=self.attributes,
+            length_unit=self.length_unit,
         )
 
     def _check_contents(self) -> None:

@@ -1,7 +1,7 @@
 """Grid: where voxels are in the world and what their values mean, without the values.
 
-World space is the patient's: x to the left, y to the back, z to the head (LPS), in millimetres, as
-in DICOM and SimpleITK.
+World space is the patient's: x to the left, y to the back, z to the head (LPS), as in DICOM and
+SimpleITK, in the unit of length that the file says.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ class Grid:
     Parameters
     ----------
     counts : (nz, ny, nx)
-    spacing, origin, direction, hounsfield
+    spacing, origin, direction, hounsfield, length_unit
         As for `Volume`, which is a grid with values.
 
     Raises
@@ -54,6 +54,7 @@ class Grid:
         origin: ArrayLike = (0.0, 0.0, 0.0),
         direction: ArrayLike | None = None,
         hounsfield: bool = False,
+        length_unit: str = "",
     ) -> None:
         self.counts: Triple = (counts[0], counts[1], counts[2])
         self.spacing = frozen(three_numbers(spacing, "spacing"))
@@ -68,6 +69,7 @@ class Grid:
         if not isinstance(hounsfield, (bool, np.bool_)):
             raise MeshdepictError(f"hounsfield={hounsfield!r} is neither True nor False")
         self.hounsfield = bool(hounsfield)
+        self.length_unit = str(length_unit)
 
     @property
     def unit(self) -> str:

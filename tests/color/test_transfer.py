@@ -262,3 +262,39 @@ def test_the_real_head_shows_skull_and_face(data):
     air, tissue = landmarks(head)
     assert air < 130
     assert 1000 < tissue < 1100
+
+
+# --- presets that don't fit -----------------------------------------------------------------
+
+
+def test_a_preset_for_stone_says_so_of_raw_soft_tissue(head):
+    raw = raw_of(head, 1, -1024)
+    with pytest.warns(MeshdepictWarning, match="'micro-ct' shows nearly all of it as a block, and"):
+        for_volume("micro-ct", raw)
+    with pytest.warns(MeshdepictWarning, match="give both if you know them$"):
+        for_volume("bone", raw)
+    stone = np.where(head.values > -200, 2000, 0) + np.indices(head.values.shape)[0] % 7
+    with pytest.warns(MeshdepictWarning, match="give both if you know them$"):
+        for_volume("micro-ct", Volume(stone))
+
+
+def test_real_tissue_and_a_real_engine_are_told_apart(data):
+    head = read_volume(data / "ct" / "ct_headsq_64x64x93.nrrd")
+    engine = read_volume(data / "ct" / "ct_engine_256x256x128.nrrd")
+    for volume, end in ((head, "suit it better$"), (engine, "if you know them$")):
+        with pytest.warns(MeshdepictWarning, match=end):
+            for_volume("micro-ct", volume)
+
+
+def test_a_preset_that_shows_nearly_everything_names_another():
+    # A specimen that fills the grid: tissue of 40 HU with some bone, and no air round it.
+    values = np.full((20, 20, 20), 40, np.int16)
+    values[5:9, 5:9, 5:9] = 900
+    volume = Volume(values, hounsfield=True)
+    shown = r"'skin' shows nearly everything, 100% of all voxels, as a block; 'bone' shows 1%"
+    with pytest.warns(MeshdepictWarning, match=shown):
+        assert for_volume("skin", volume) is preset("skin")
+    assert for_volume("bone", volume) is preset("bone")
+    even = Volume(np.arange(2000, 2008, dtype=np.int16).reshape(2, 2, 2), hounsfield=True)
+    with pytest.warns(MeshdepictWarning, match="100% of all voxels, as a block$"):
+        for_volume("bone", even)

@@ -52,3 +52,51 @@ def test_the_surface_goes_through_the_mesh_path():
 def test_a_value_that_nothing_has_is_refused(value):
     with pytest.raises(MeshdepictError, match="the volume's values are"):
         isosurface(ball(np.eye(3)), value)
+
+
+def nested(*radii, walls=True):
+    """Distances to nested spheres in a box, positive where it is dense: outside of all, or not."""
+    z, y, x = np.mgrid[:40, :40, :40] - 19.5
+    away = np.sqrt(x * x + y * y + z * z)[..., None] - radii
+    dense = ((away < 0).sum(axis=-1) % 2 == 0) == walls
+    return Volume(np.where(dense, 1, -1) * np.abs(away).min(axis=-1))
+
+
+def towards_lower(mesh, volume):
+    """Whether each face looks to where the values are lower, half a voxel away on either side."""
+    from scipy.ndimage import map_coordinates
+
+    a, b, c = mesh.vertices[mesh.faces].swapaxes(0, 1)
+    normal = np.cross(b - a, c - a)
+    length = np.linalg.norm(normal, axis=1, keepdims=True)
+    normal, middle = (normal / np.maximum(length, 1e-12)), (a + b + c) / 3
+    sides = [
+        map_coordinates(volume.values, (middle + side * 0.5 * normal).T[::-1], order=1)
+        for side in (1, -1)
+    ]
+    return (sides[0] < sides[1])[length[:, 0] > 1e-3]
+
+
+@pytest.mark.parametrize("radii", [(9,), (6, 13), (4, 9, 14)])
+def test_voids_in_a_block_face_inwards(radii):
+    # Without its outer walls the block is nothing but voids: summed volumes would turn all of them.
+    volume = nested(*radii)
+    mesh = isosurface(volume, 0.0)
+    assert towards_lower(mesh, volume).all()
+    np.testing.assert_array_equal(mesh.rewound().faces, mesh.faces)
+    outer = np.linalg.norm(mesh.vertices - 19.5, axis=1) > max(radii) - 1
+    inwards = np.einsum("ni,ni->n", mesh.normals, 19.5 - mesh.vertices)
+    assert (inwards[outer] > 0).all()
+
+
+def test_nested_shells_look_out_of_what_is_dense():
+    volume = nested(4, 9, 14, walls=False)
+    mesh = isosurface(volume, 0.0)
+    assert towards_lower(mesh, volume).all()
+    away = mesh.vertices - 19.5
+    radius = np.linalg.norm(away, axis=1)
+    outwards = np.einsum("ni,ni->n", mesh.normals, away) > 0
+    for shell, side in ((4, True), (9, False), (14, True)):
+        here = np.abs(radius - shell) < 1
+        assert here.any()
+        assert (outwards[here] == side).all()

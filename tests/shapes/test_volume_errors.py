@@ -155,18 +155,23 @@ def test_a_failure_to_write_leaves_the_earlier_file(tmp_path, monkeypatch, suffi
     assert list(tmp_path.iterdir()) == [path]
 
 
-def test_without_simpleitk_vti_and_numpy_work_and_the_rest_says_what_to_install(
+def test_without_simpleitk_plain_files_are_read_and_the_rest_says_what_to_install(
     tmp_path, monkeypatch
 ):
     volume = placed(np.eye(3))
-    write_volume(tmp_path / "a.nrrd", volume.values, volume)
+    for suffix in (".nrrd", ".mha", ".nii.gz"):
+        write_volume(tmp_path / f"a{suffix}", volume.values, volume)
+    page = sitk.GetImageFromArray(volume.values.astype(np.uint16))
+    sitk.WriteImage(page, str(tmp_path / "a.tif"), useCompression=True)
     monkeypatch.setitem(sys.modules, "SimpleITK", None)
     write_volume(tmp_path / "a.vti", volume.values, volume)
     assert_same(read_volume(tmp_path / "a.vti"), volume, 1e-12)
     np.save(tmp_path / "a.npy", volume.values)
     read_volume(tmp_path / "a.npy", spacing=(1, 1, 1))
+    for suffix in (".nrrd", ".mha", ".nii.gz"):
+        assert_same(read_volume(tmp_path / f"a{suffix}"), volume, 1e-5)
     for action in (
-        lambda: read_volume(tmp_path / "a.nrrd"),
+        lambda: read_volume(tmp_path / "a.tif", spacing=(1, 1, 1)),
         lambda: write_volume(tmp_path / "b.nrrd", volume.values, volume),
     ):
         with pytest.raises(MeshdepictError, match=r"pip install 'meshdepict\[ct\]'"):
