@@ -20,12 +20,15 @@ class Ruler:
     Parameters
     ----------
     renderer : vtkRenderer
+    unit : str
+        Name of the file's units.
     """
 
-    def __init__(self, renderer: Any) -> None:
+    def __init__(self, renderer: Any, unit: str = "") -> None:
         import pyvista as pv
         from vtkmodules.vtkRenderingCore import vtkActor2D, vtkPolyDataMapper2D
 
+        self._unit = unit
         self._bar = pv.PolyData()
         mapper = vtkPolyDataMapper2D()
         mapper.SetInputData(self._bar)
@@ -50,7 +53,7 @@ class Ruler:
         if units_per_pixel is None or (units_per_pixel, width) == self._drawn:
             return
         self._drawn = units_per_pixel, width
-        bar = scale_bar(width * units_per_pixel, share=_SHARE)
+        bar = scale_bar(width * units_per_pixel, self._unit, share=_SHARE)
         long = bar.length / units_per_pixel
         ends = np.round(np.linspace(-long / 2, long / 2, bar.parts + 1))
         points: list[tuple[float, float, float]] = []
