@@ -16,7 +16,7 @@ from meshdepict.errors import MeshdepictError, MeshdepictWarning
 if TYPE_CHECKING:
     from meshdepict.shapes.volume import Volume
 
-__all__ = ["WRITABLE_VOLUMES", "is_volume_path", "read_volume", "write_volume"]
+__all__ = ["WRITABLE_VOLUMES", "is_volume_path", "read_volume", "volume_stem", "write_volume"]
 
 _ITK = (".nii", ".nii.gz", ".nrrd", ".nhdr", ".mha", ".mhd")
 _TIFF = (".tif", ".tiff")
@@ -41,6 +41,11 @@ def is_volume_path(path: str | os.PathLike[str]) -> bool:
         with path.open("rb") as file:
             return file.read(132)[128:] == b"DICM"
     return False
+
+
+def volume_stem(path: str | os.PathLike[str]) -> str:
+    """Return the name of a volume's file or folder without suffixes."""
+    return Path(path).resolve().name.partition(".")[0] or "ct"
 
 
 def read_volume(

@@ -17,7 +17,6 @@ from meshdepict.drawing.framing import frame
 from meshdepict.errors import MeshdepictError
 from meshdepict.scene.view import View
 from meshdepict.viewer.session import Session
-from meshdepict.viewer.windows.actions import Actions
 from meshdepict.viewer.windows.camera import camera_view, same_sight
 from meshdepict.viewer.windows.lit_shape import LitShape
 from meshdepict.viewer.windows.preview import Pace
@@ -112,8 +111,8 @@ class LitWindow:
 
     # --- what kinds of shapes have of their own ---------------------------------------------
 
-    def _made_actions(self) -> Actions:
-        return Actions(self)
+    def _made_actions(self) -> Any:
+        raise NotImplementedError
 
     def _made_object(self, *, live: bool, planes: dict[str, Any]) -> LitShape:
         raise NotImplementedError

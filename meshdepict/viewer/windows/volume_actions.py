@@ -3,13 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from meshdepict.viewer.windows.actions import Actions
 from meshdepict.viewer.windows.volume_keys import KEYS
-
-if TYPE_CHECKING:
-    from meshdepict.viewer.windows.volume_window import VolumeWindow
 
 __all__ = ["VolumeActions"]
 
@@ -18,7 +15,7 @@ class VolumeActions(Actions):
     """The actions of `volume_keys.KEYS` on a `VolumeWindow`."""
 
     keys = KEYS
-    _window: VolumeWindow
+    _window: Any  # a VolumeWindow
 
     def cut(self, axis: str) -> None:
         """Cut a slice off the side that is seen."""

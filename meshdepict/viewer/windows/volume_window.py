@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshdepict.drawing.display import check_display
+from meshdepict.io.volumes import volume_stem
 from meshdepict.viewer.windows import exports
 from meshdepict.viewer.windows.camera import camera_view
 from meshdepict.viewer.windows.clipping_box import ClippingBox
@@ -63,7 +64,7 @@ def show_volume(
     if frames is None:
         check_display()
     if name is None and isinstance(volume, (str, os.PathLike)):
-        name = Path(volume).resolve().name.partition(".")[0]
+        name = volume_stem(volume)
     session = VolumeSession(volume, method, **settings)
     window = VolumeWindow(session, name=name, size=size, off_screen=frames is not None)
     window.run(frames=frames)

@@ -11,6 +11,7 @@ from typing import Any
 
 from meshdepict.scene.view import View
 from meshdepict.viewer.windows import exports
+from meshdepict.viewer.windows.actions import Actions
 from meshdepict.viewer.windows.cycle import colormaps, other
 from meshdepict.viewer.windows.lit_object import LitObject
 from meshdepict.viewer.windows.lit_window import LitWindow
@@ -22,6 +23,9 @@ class Window(LitWindow):
     """A window over a `Session` on a mesh; parameters and attributes as of `LitWindow`."""
 
     object: LitObject
+
+    def _made_actions(self) -> Actions:
+        return Actions(self)
 
     def _made_object(self, *, live: bool, planes: dict[str, Any]) -> LitObject:
         return LitObject(self.plotter, self.session, live=live, planes=planes)
