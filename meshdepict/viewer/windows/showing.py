@@ -9,6 +9,7 @@ from meshdepict.drawing.display import check_display
 from meshdepict.drawing.picture import plot
 from meshdepict.drawing.volume_picture import plot_volume
 from meshdepict.errors import MeshdepictError
+from meshdepict.viewer.windows.lit_window import LitWindow
 from meshdepict.viewer.windows.reopened import session_of
 from meshdepict.viewer.windows.volume_session import VolumeSession
 from meshdepict.viewer.windows.volume_window import VolumeWindow
@@ -17,7 +18,6 @@ from meshdepict.viewer.windows.window import Window
 if TYPE_CHECKING:
     from meshdepict.baking.baked import Depiction
     from meshdepict.viewer.session import Session
-    from meshdepict.viewer.windows.lit_window import LitWindow
 
 __all__ = ["show", "window_on"]
 
