@@ -24,13 +24,19 @@ if TYPE_CHECKING:
 
 __all__ = ["draw_volume", "plot_volume", "save_volume_picture"]
 
+_TRIAL = (16, 16)  # pixels, to see whether the card takes this program's shader
+
 
 def plot_volume(baked: PaintedVolume, **plotter: Any) -> Any:
-    """Return a ``pyvista.Plotter`` that shows the bake; keywords go to the plotter.
-
-    Colours are those of voxels, interpolated: any window draws them, and notebooks do, too.
-    """
-    return plot_with(partial(add_rgba, baked=baked), baked, **plotter)
+    """Return a ``pyvista.Plotter`` that shows the bake; keywords go to the plotter."""
+    add = add_baked
+    try:
+        with caught_errors("the volume"):
+            tried = frame(baked.view, baked.shape, Figure(size=_TRIAL))
+            _drawn(partial(add_baked, baked=baked), baked, tried, ())
+    except MeshdepictError:  # no such shaders here: colours of voxels, interpolated
+        add = add_rgba
+    return plot_with(partial(add, baked=baked), baked, **plotter)
 
 
 def draw_volume(

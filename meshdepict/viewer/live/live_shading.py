@@ -71,12 +71,6 @@ class LiveShading(LiveLook):
         For what can't be live, and wrong options; nothing changes then.
     """
 
-    def __init__(
-        self, space: ScaleSpace, method: str, *, colormap: str | None = None, **look: Any
-    ) -> None:
-        self._colormap = colormap
-        super().__init__(space, method, **look)
-
     def _made(self, space: Any) -> Any:
         shape = getattr(space, "shape", None)
         if not len(getattr(shape, "faces", ())) or len(space.points) != len(space.shape.vertices):

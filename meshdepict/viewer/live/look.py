@@ -40,7 +40,7 @@ class LiveLook:
     Parameters
     ----------
     space : ScaleSpace
-    method, light, view
+    method, light, view, colormap
         As in `bake`.
     options : mapping, optional
         The method's own.
@@ -54,8 +54,10 @@ class LiveLook:
         options: Mapping[str, Any] | None = None,
         light: Any = "northwest",
         view: View | str,
+        colormap: str | None = None,
     ) -> None:
         self._method, self._space = live_method(method), space
+        self._colormap = colormap
         self.actor: Any = self._made(space)
         self._options: dict[str, Any] = {
             name: option.default for name, option in options_of(self._method.function).items()

@@ -107,6 +107,10 @@ class LiveVolume(LiveLook):
 
     def _made(self, space: Any) -> Any:
         _check_space(space)
+        if self._colormap is not None:
+            raise MeshdepictError(
+                "colormap is about meshes: a volume has the colours of its transfer function"
+            )
         self._attributes: Mapping[str, NDArray[np.float32]] = {}
         self._values, corner = _numbered(space)
         return volume_actor(self._values, space.shape, corner)
