@@ -17,12 +17,107 @@ from meshdepict.scene.view import View
 if TYPE_CHECKING:
     from meshdepict.baking.choices import Choices
     from meshdepict.baking.refinement import EdgeError
+    from meshdepict.drawing.figure import Figure
     from meshdepict.scales.space import ScaleSpace
 
-__all__ = ["Baked"]
+__all__ = ["Baked", "Depiction"]
 
 
-class Baked:
+class Depiction:
+    """A shape in its shading, of whatever kind: how it came about, ways to keep and to see it.
+
+    What is the same for a mesh, an image and a volume; `Baked` and `BakedVolume` are the two kinds.
+
+    Attributes
+    ----------
+    shape : Mesh, GBuffer or Volume
+    provenance : dict of str
+        Version, method, options, light, view, widths and the shape's digest.
+    view : View
+        The view that names of lights referred to, and that pictures show.
+    look : Choices or None
+        How it was baked, with what followed from the shape; None where nobody said.
+    """
+
+    def __init__(
+        self,
+        shape: Any,
+        provenance: Mapping[str, str],
+        view: View,
+        look: Choices | None = None,
+    ) -> None:
+        self.shape = shape
+        self.provenance = dict(provenance)
+        self.view = view
+        self.look = look
+
+    @property
+    def comments(self) -> list[str]:
+        """The provenance as lines for a file's header."""
+        return comment_lines(self.provenance)
+
+    def save(self, path: str | Path) -> Path:
+        """Write the shape with its colours; the suffix decides the format."""
+        raise NotImplementedError
+
+    def to_pyvista(self) -> Any:
+        """Return the shape with its colours for PyVista."""
+        raise NotImplementedError
+
+    def show(self, **plotter: Any) -> Any:
+        """Open a window in which a drag turns the object, or with Ctrl its light; h shows the keys.
+
+        In notebooks and with keyword arguments a plain PyVista plot, with the colours as they are
+        in this bake's view: they go to ``pyvista.Plotter``, ``jupyter_backend`` to its ``show``.
+
+        Raises
+        ------
+        MeshdepictError
+            Where there is no display.
+        """
+        from meshdepict.viewer.windows.showing import show
+
+        return show(self, **plotter)
+
+    def picture(
+        self,
+        path: str | Path,
+        *,
+        size: tuple[int, int] | str | None = None,
+        dpi: float | None = None,
+        background: str = "white",
+        scale_bar: bool = False,
+        unit: str = "",
+        pixels_per_unit: float | None = None,
+    ) -> Path:
+        """Render a PNG of this bake in its view, without needing a display.
+
+        Parameters
+        ----------
+        path : path
+        size, dpi, background, scale_bar, unit, pixels_per_unit
+            See `drawing.figure.Figure`: ``size="12x9cm", dpi=300, background="paper"``. Without a
+            unit it is the shape's own, such as the millimetres of a CT.
+
+        Raises
+        ------
+        MeshdepictError
+            For another suffix, sizes and scales that are impossible or leave no room for the
+            object, and where the file can't be written.
+        """
+        from meshdepict.drawing.figure import Figure
+
+        figure = Figure(
+            size=size, dpi=dpi, background=background, scale_bar=scale_bar, unit=unit,
+            pixels_per_unit=pixels_per_unit,
+        )  # fmt: skip
+        return self._draw(path, figure)
+
+    def _draw(self, path: str | Path, figure: Figure) -> Path:
+        raise NotImplementedError
+
+
+class Baked(Depiction):
     """Colours on a shape, and how they came about.
 
     Attributes
@@ -54,13 +149,10 @@ class Baked:
         look: Choices | None = None,
         shade: Callable[[ScaleSpace], NDArray[Any]] | None = None,
     ) -> None:
-        self.shape = shape
+        super().__init__(shape, provenance, view, look)
         self.intensity = intensity
         self.colors = colors
-        self.provenance = dict(provenance)
-        self.view = view
         self.space = space
-        self.look = look
         self._shade = shade
 
     @functools.cached_property
@@ -79,11 +171,6 @@ class Baked:
     def __repr__(self) -> str:
         """Return method and size."""
         return f"<Baked: {self.provenance['method']} on {len(self.colors):,} samples>"
-
-    @property
-    def comments(self) -> list[str]:
-        """The provenance as lines for a file's header."""
-        return comment_lines(self.provenance)
 
     def _require_mesh(self) -> None:
         if self.shape.kind != "mesh":
@@ -144,51 +231,13 @@ class Baked:
         return trimesh.Trimesh(vertices, faces, vertex_colors=self.colors, process=False)
 
     def show(self, **plotter: Any) -> Any:
-        """Open a window in which a drag turns the object, or with Ctrl its light; h shows the keys.
-
-        In notebooks and with keyword arguments a plain PyVista plot, with the colours as they are
-        in this bake's view: they go to ``pyvista.Plotter``, ``jupyter_backend`` to its ``show``.
-
-        Raises
-        ------
-        MeshdepictError
-            Where there is no display.
-        """
+        """As for every bake; an image has no window."""
         self._require_mesh()
-        from meshdepict.viewer.windows.showing import show
+        return super().show(**plotter)
 
-        return show(self, **plotter)
-
-    def picture(
-        self,
-        path: str | Path,
-        *,
-        size: tuple[int, int] | str | None = None,
-        dpi: float | None = None,
-        background: str = "white",
-        scale_bar: bool = False,
-        unit: str = "",
-        pixels_per_unit: float | None = None,
-    ) -> Path:
-        """Render a PNG of this bake in its view, without needing a display.
-
-        Parameters
-        ----------
-        path : path
-        size, dpi, background, scale_bar, unit, pixels_per_unit
-            See `drawing.figure.Figure`: ``size="12x9cm", dpi=300, background="paper"``.
-
-        Raises
-        ------
-        MeshdepictError
-            For another suffix, sizes and scales that are impossible or leave no room for the
-            object, and where the file can't be written.
-        """
+    def _draw(self, path: str | Path, figure: Figure) -> Path:
         from meshdepict.drawing.picture import save_image, save_picture
 
         if self.shape.kind == "image":
-            return save_image(self, path, background=background)
-        return save_picture(
-            self, path, size=size, dpi=dpi, background=background, scale_bar=scale_bar, unit=unit,
-            pixels_per_unit=pixels_per_unit,
-        )  # fmt: skip
+            return save_image(self, path, background=figure.background)
+        return save_picture(self, path, figure)

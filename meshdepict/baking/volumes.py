@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from meshdepict.baking.baked import Depiction
 from meshdepict.baking.choices import Choices
-from meshdepict.baking.provenance import comment_lines
 from meshdepict.baking.surfaces import refuse_other_scales
 from meshdepict.baking.voxel_shading import VoxelShading, voxel_shading
 from meshdepict.errors import MeshdepictError
@@ -24,12 +24,13 @@ from meshdepict.voxels.grid_sums import Piece
 
 if TYPE_CHECKING:
     from meshdepict.color.transfer_function import TransferFunction
+    from meshdepict.drawing.figure import Figure
     from meshdepict.shapes.volume import Volume
 
 __all__ = ["BakedVolume", "as_volume", "bake_grid", "is_volume"]
 
 
-class BakedVolume:
+class BakedVolume(Depiction):
     """Colour and opacity of every voxel, and how they came about.
 
     Attributes
@@ -39,9 +40,8 @@ class BakedVolume:
         What was shaded, for the next light; None of a volume that was shaded slab by slab.
     intensity : (n,) or (n, 3) array of float32, or None
         What the method returned for the samples of the space.
-    provenance : dict of str
-    view : View
-        The view that names of lights referred to.
+    provenance, view, look
+        As of every `Depiction`.
     shaded_share : float
         Shaded voxels over all voxels.
     """
@@ -55,11 +55,12 @@ class BakedVolume:
         rgba: NDArray[np.uint8] | None = None,
         shaded_share: float,
     ) -> None:
-        self.shape: Any = shading.shape
-        self.view = shading.view
+        super().__init__(
+            shading.shape, shading.provenance(space, shaded_share), shading.view,
+            shading.look.replace(light=shading.light),
+        )  # fmt: skip
         self.space, self.intensity = space, intensity
         self.shaded_share = shaded_share
-        self.provenance = shading.provenance(space, shaded_share)
         self._shading = shading
         if rgba is not None:
             self.rgba = rgba
@@ -69,11 +70,6 @@ class BakedVolume:
         nz, ny, nx = self.shape.counts
         method = self.provenance["method"]
         return f"<BakedVolume: {method} on {self.shaded_share:.1%} of {nx} x {ny} x {nz} voxels>"
-
-    @property
-    def look(self) -> Choices:
-        """How it was baked, with what followed from the volume."""
-        return self._shading.look
 
     @property
     def transfer(self) -> TransferFunction | None:
@@ -108,14 +104,19 @@ class BakedVolume:
         """
         from meshdepict.io.volumes import write_volume
 
-        write_volume(path, self.rgba, self.shape, comments=comment_lines(self.provenance))
+        write_volume(path, self.rgba, self.shape, comments=self.comments)
         return Path(path)
 
     def to_pyvista(self) -> Any:
         """Return a ``pyvista.ImageData`` with the point data "RGBA"."""
         from meshdepict.shapes.exchange import image_of
 
-        return image_of(self.rgba, self.shape)
+        return image_of(self.rgba, self.shape, self.comments)
+
+    def _draw(self, path: str | Path, figure: Figure) -> Path:
+        from meshdepict.drawing.volume_picture import save_volume_picture
+
+        return save_volume_picture(self, path, figure)
 
 
 def bake_grid(

@@ -15,6 +15,7 @@ from meshdepict.errors import MeshdepictError
 
 if TYPE_CHECKING:
     from meshdepict.baking.look import Look
+    from meshdepict.viewer.session import Session
 
 __all__ = ["view"]
 
@@ -63,67 +64,50 @@ def view(
     wanted = parameters.said_look(look, recipe)
     refuse_unshown(wanted, f"{recipe}: ")
     quiet = everywhere.quiet
-    from meshdepict.io.volumes import is_volume_path
+    from meshdepict.io.volumes import is_volume_path, volume_stem
 
-    if input_ is not None and is_volume_path(input_):
-        return _show_volume(input_, wanted, browser=browser, frames=frames, quiet=quiet)
+    volume = input_ is not None and is_volume_path(input_)
+    if volume and browser:
+        raise MeshdepictError(f"{input_} is a volume: the browser shows meshes alone so far")
     if not browser and frames is None:
         from meshdepict.drawing.display import check_display
 
         check_display()
     if not browser:
         # A second's work, done before the bake: then the window is up at once after it.
-        for module in ("pyvista.plotting", "meshdepict.viewer.windows.window"):
+        for module in ("pyvista.plotting", "meshdepict.viewer.windows.showing"):
             import_module(module)
-    name = stem(input_)
+    name = volume_stem(input_) if volume and input_ is not None else stem(input_)
     with notes(input_, quiet=quiet):
-        session = _session(input_, wanted, name, quiet=quiet)
-    if browser:
-        from meshdepict.viewer.browser import serve
+        session = _session(input_, wanted, name, volume=volume, quiet=quiet)
+        if browser:
+            from meshdepict.viewer.browser import serve
 
-        serve(session, port=port, open_browser=not no_open, title=name)
-        return 0
-    from meshdepict.viewer.windows.window import Window
+            serve(session, port=port, open_browser=not no_open, title=name)
+            return 0
+        from meshdepict.viewer.windows.keys import WELCOME
+        from meshdepict.viewer.windows.showing import window_on
 
-    window = Window(session, name=name, off_screen=frames is not None)
-    if not quiet:
-        complain("h shows the keys, q closes the window")
-    window.run(frames=frames)
+        window = window_on(session, name=name, off_screen=frames is not None)
+        if not quiet:
+            complain(WELCOME)
+        window.run(frames=frames)
     return 0
 
 
-def _show_volume(
-    source: Path,
-    look: Look,
-    *,
-    browser: bool,
-    frames: int | None,
-    quiet: bool,
-) -> int:
-    """Open the window for volumes."""
-    from meshdepict.drawing.display import check_display
-    from meshdepict.viewer.windows.volume_window import show_volume
-
-    if browser:
-        raise MeshdepictError(f"{source} is a volume: the browser shows meshes alone so far")
-    if frames is None:
-        check_display()
-    with notes(source, quiet=quiet):
-        show_volume(
-            source, look.method, name=source.name.partition(".")[0], frames=frames, **look.words()
-        )
-    return 0
-
-
-def _session(source: Path | None, look: Look, name: str, *, quiet: bool) -> Any:
+def _session(source: Path | None, look: Look, name: str, *, volume: bool, quiet: bool) -> Session:
     """Read and bake, with a progress bar."""
     from meshdepict.io import read_mesh
     from meshdepict.shapes import samples
     from meshdepict.viewer.session import Session
+    from meshdepict.viewer.windows.volume_session import VolumeSession
 
-    shape = samples.golf_ball() if source is None else read_mesh(source)
     with progress_bar(name, quiet=quiet) as progress:
-        session = Session(shape, look.method, progress=progress, **look.words())
+        kind: type[Session] = VolumeSession if volume else Session
+        shape: Any = source
+        if not volume:
+            shape = samples.golf_ball() if source is None else read_mesh(source)
+        session = kind(shape, look.method, progress=progress, **look.words())
         session.baked()
     session.progress = None
     return session

@@ -86,10 +86,12 @@ def volume(
     force
         Replace existing files that meshdepict didn't write.
     """
+    from meshdepict.io.volumes import volume_stem
+
     everywhere.obey()
     quiet = everywhere.quiet
     start = time.perf_counter()
-    name = _name(source)
+    name = "ct-phantom" if source is None else volume_stem(source)
     page = figure.figure()
     wanted = parameters.said_look(look)
     method = wanted.method
@@ -208,12 +210,6 @@ def _read(
     return read_volume(
         source, series=number, slope=slope, intercept=intercept, spacing=lengths, tilt=tilt
     )
-
-
-def _name(source: Path | None) -> str:
-    if source is None:
-        return "ct-phantom"
-    return source.resolve().name.partition(".")[0] or "ct"
 
 
 def _share(text: str, whole: str) -> float:

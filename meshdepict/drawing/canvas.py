@@ -15,7 +15,17 @@ if TYPE_CHECKING:
     from meshdepict.drawing.painted import Painted
     from meshdepict.scene.view import View
 
-__all__ = ["Canvas", "canvas", "on_ground", "only_errors", "place", "unit_polydata"]
+__all__ = [
+    "Canvas",
+    "add_painted",
+    "canvas",
+    "off_screen",
+    "on_ground",
+    "only_errors",
+    "pixels_of",
+    "place",
+    "unit_polydata",
+]
 
 Bytes = NDArray[np.uint8]
 
@@ -27,23 +37,11 @@ _SIDE = 16384
 class Canvas:
     """An off-screen window with one shape in it; see `canvas`."""
 
-    def __init__(self, baked: Painted, size: tuple[int, int], samples: int) -> None:
-        import pyvista as pv
-
+    def __init__(self, baked: Painted, window: Any, finer: int) -> None:
         self.shape = baked.shape
-        self._finer = min(samples, _samples(size))
+        self._window, self._finer = window, finer
         self._poly = unit_polydata(baked)
-        width, height = size
-        self._window = pv.Plotter(
-            off_screen=True, window_size=[width * self._finer, height * self._finer]
-        )
-        check_opengl(self._window)
-        # Where each sample either hits or misses, coverage and colour average without a fringe.
-        self._window.disable_anti_aliasing()
-        self._window.set_background("black")
-        self._window.add_mesh(
-            self._poly, scalars="RGB", rgb=True, lighting=False, show_scalar_bar=False
-        )
+        add_painted(window, self._poly)
 
     def draw(self, view: View, colors: Bytes | None = None) -> Bytes:
         """Draw the shape, with other colours where given.
@@ -55,24 +53,16 @@ class Canvas:
         """
         from PIL import Image
 
-        window = self._window
         if colors is not None:
             self._poly.point_data["RGB"][:] = colors
             self._poly.point_data["RGB"].VTKObject.Modified()
             self._poly.Modified()
-        place(window.camera, view, self.shape)
-        window.reset_camera_clipping_range()
-        window.render()
-        image = window.screenshot(return_img=True, transparent_background=True)
+        image = pixels_of(self._window, view, self.shape)
         # As four independent channels: Pillow would divide those of an RGBA by the coverage.
         height, width = image.shape[:2]
         channels = np.ascontiguousarray(image)
         four = Image.frombuffer("CMYK", (width, height), channels, "raw", "CMYK", 0, 1)
         return np.asarray(four.reduce(self._finer))
-
-    def close(self) -> None:
-        """Free the window."""
-        self._window.close()
 
 
 @contextmanager
@@ -87,12 +77,39 @@ def canvas(baked: Painted, size: tuple[int, int], *, samples: int = 3) -> Iterat
     samples : int
         Along a pixel's side; fewer where memory could not take them.
     """
+    finer = min(samples, _samples(size))
+    with off_screen((size[0] * finer, size[1] * finer)) as window:
+        yield Canvas(baked, window, finer)
+
+
+@contextmanager
+def off_screen(size: tuple[int, int]) -> Iterator[Any]:
+    """Give a ``pyvista.Plotter`` of a size in pixels, on black, that no screen shows; close it."""
+    import pyvista as pv
+
     with only_errors():
-        made = Canvas(baked, size, samples)
+        window = pv.Plotter(off_screen=True, window_size=list(size))
         try:
-            yield made
+            check_opengl(window)
+            # Where each sample either hits or misses, coverage and colour average without a fringe.
+            window.disable_anti_aliasing()
+            window.set_background("black")
+            yield window
         finally:
-            made.close()
+            window.close()
+
+
+def pixels_of(window: Any, view: View, shape: Any) -> Bytes:
+    """Return what a window shows in a view, (height, width, 4): colour times coverage, coverage."""
+    place(window.camera, view, shape)
+    window.reset_camera_clipping_range()
+    window.render()
+    return np.asarray(window.screenshot(return_img=True, transparent_background=True))
+
+
+def add_painted(window: Any, poly: Any) -> None:
+    """Add a ``pyvista.PolyData`` to a plotter, its "RGB" just as it is."""
+    window.add_mesh(poly, scalars="RGB", rgb=True, lighting=False, show_scalar_bar=False)
 
 
 def on_ground(premultiplied: Any, ground: tuple[int, int, int] | None) -> Any:

@@ -13,19 +13,15 @@ if TYPE_CHECKING:
     from meshdepict.color.transfer_function import TransferFunction
     from meshdepict.scales.grid_scales import GridSpace
 
-__all__ = ["Painted", "PaintedVolume", "Turnable"]
+__all__ = ["Depicted", "Painted", "PaintedVolume", "Turnable"]
 
 
-class Painted(Protocol):
-    """A shape in its colours; see `Baked`."""
+class Depicted(Protocol):
+    """A shape in its shading, of whatever kind."""
 
     @property
     def shape(self) -> Any:
-        """A `Mesh` or `GBuffer`."""
-
-    @property
-    def colors(self) -> NDArray[np.uint8]:
-        """(n, 3) sRGB."""
+        """A `Mesh`, `GBuffer` or `Volume`."""
 
     @property
     def view(self) -> View:
@@ -40,23 +36,19 @@ class Painted(Protocol):
         """The same as lines."""
 
     def to_pyvista(self) -> Any:
-        """Return the shape for VTK, colours as "RGB"."""
+        """Return the shape for VTK: colours as "RGB", of voxels as "RGBA"."""
 
 
-class PaintedVolume(Protocol):
+class Painted(Depicted, Protocol):
+    """A mesh or an image in its colours; see `Baked`."""
+
+    @property
+    def colors(self) -> NDArray[np.uint8]:
+        """(n, 3) sRGB."""
+
+
+class PaintedVolume(Depicted, Protocol):
     """Voxels in their colours; see `BakedVolume`."""
-
-    @property
-    def shape(self) -> Any:
-        """A `Volume`."""
-
-    @property
-    def view(self) -> View:
-        """What pictures show."""
-
-    @property
-    def provenance(self) -> dict[str, str]:
-        """What pictures say about how they came about."""
 
     @property
     def rgba(self) -> NDArray[np.uint8]:

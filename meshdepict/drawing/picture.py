@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from meshdepict.drawing.canvas import canvas, on_ground, place, unit_polydata
+from meshdepict.drawing.canvas import add_painted, canvas, on_ground, place, unit_polydata
 from meshdepict.drawing.figure import Figure
 from meshdepict.drawing.framing import Framing, frame
 from meshdepict.drawing.scale_bar import draw_scale_bar
@@ -16,12 +16,13 @@ from meshdepict.errors import MeshdepictError
 from meshdepict.files.mark import MARK
 
 if TYPE_CHECKING:
-    from meshdepict.drawing.painted import Painted
+    from meshdepict.drawing.painted import Depicted, Painted
 
 __all__ = [
     "check_picture",
     "finished",
     "plot",
+    "plot_with",
     "read_picture_provenance",
     "save_image",
     "save_picture",
@@ -31,13 +32,16 @@ __all__ = [
 
 def plot(baked: Painted, **plotter: Any) -> Any:
     """Return a ``pyvista.Plotter`` that shows the bake; keywords go to the plotter."""
+    return plot_with(lambda window: add_painted(window, unit_polydata(baked)), baked, **plotter)
+
+
+def plot_with(add: Callable[[Any], Any], baked: Depicted, **plotter: Any) -> Any:
+    """Return a plotter with what is added to it, in the bake's view."""
     import pyvista as pv
 
     window = pv.Plotter(**plotter)
     window.set_background("white")
-    window.add_mesh(
-        unit_polydata(baked), scalars="RGB", rgb=True, lighting=False, show_scalar_bar=False
-    )
+    add(window)
     width, height = window.window_size
     framing = frame(baked.view, baked.shape, Figure(size=(width, height)))
     place(window.camera, framing.view, baked.shape)

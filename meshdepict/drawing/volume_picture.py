@@ -9,11 +9,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from meshdepict.drawing.canvas import only_errors, place
-from meshdepict.drawing.display import check_opengl
+from meshdepict.drawing.canvas import off_screen, pixels_of
 from meshdepict.drawing.figure import Figure
 from meshdepict.drawing.framing import Framing, frame
-from meshdepict.drawing.picture import check_picture, finished
+from meshdepict.drawing.picture import check_picture, finished, plot_with, write_picture
 from meshdepict.drawing.shader import caught_errors
 from meshdepict.drawing.volume_scene import add_baked, add_plain, add_rgba
 from meshdepict.errors import MeshdepictError
@@ -23,7 +22,21 @@ if TYPE_CHECKING:
 
     from meshdepict.drawing.painted import PaintedVolume
 
-__all__ = ["draw_volume", "save_volume_picture"]
+__all__ = ["draw_volume", "plot_volume", "save_volume_picture"]
+
+_TRIAL = (16, 16)  # pixels, to see whether the card takes this program's shader
+
+
+def plot_volume(baked: PaintedVolume, **plotter: Any) -> Any:
+    """Return a ``pyvista.Plotter`` that shows the bake; keywords go to the plotter."""
+    add = add_baked
+    try:
+        with caught_errors("the volume"):
+            tried = frame(baked.view, baked.shape, Figure(size=_TRIAL))
+            _drawn(partial(add_baked, baked=baked), baked, tried, ())
+    except MeshdepictError:  # no such shaders here: colours of voxels, interpolated
+        add = add_rgba
+    return plot_with(partial(add, baked=baked), baked, **plotter)
 
 
 def draw_volume(
@@ -80,42 +93,31 @@ def save_volume_picture(
     *,
     plain: bool = False,
     planes: Sequence[Any] = (),
+    **layout: Any,
 ) -> Path:
-    """Write `draw_volume` as a PNG, with the bake's provenance in it.
+    """Render `draw_volume` as a PNG, and put it in place once it is complete.
+
+    The figure may also be given in words, and the bake's provenance goes into the file, as by
+    `save_picture`.
 
     Raises
     ------
     MeshdepictError
         As `draw_volume`, for another suffix, and where the file can't be written.
     """
-    from meshdepict.drawing.picture import write_picture
-
+    path, figure = Path(path), figure or Figure(**layout)
     check_picture(path)
-    figure = figure or Figure()
     image = draw_volume(baked, figure, plain=plain, planes=planes)
     facts = baked.provenance | ({"method": "plain volume rendering"} if plain else {})
-    return write_picture(image, Path(path), facts, figure.dpi)
+    return write_picture(image, path, facts, figure.dpi)
 
 
 def _drawn(
     add: Callable[[Any], Any], baked: PaintedVolume, framing: Framing, planes: Sequence[Any]
 ) -> NDArray[np.uint8]:
     """Draw what is added to a window, in a view: colour times coverage, and coverage."""
-    import pyvista as pv
-
-    with only_errors():
-        window = pv.Plotter(off_screen=True, window_size=list(framing.drawn))
-        check_opengl(window)
-        try:
-            window.disable_anti_aliasing()
-            window.set_background("black")
-            mapper = add(window).GetMapper()
-            for plane in planes:
-                mapper.AddClippingPlane(plane)
-            place(window.camera, framing.view, baked.shape)
-            window.reset_camera_clipping_range()
-            window.render()
-            image = window.screenshot(return_img=True, transparent_background=True)
-        finally:
-            window.close()
-    return np.asarray(image)
+    with off_screen(framing.drawn) as window:
+        mapper = add(window).GetMapper()
+        for plane in planes:
+            mapper.AddClippingPlane(plane)
+        return pixels_of(window, framing.view, baked.shape)

@@ -21,7 +21,7 @@ from meshdepict.voxels.volume_input import checked_values, three_numbers
 if TYPE_CHECKING:
     from meshdepict.shapes.volume import Volume
 
-__all__ = ["WRITABLE_VOLUMES", "is_volume_path", "read_volume", "write_volume"]
+__all__ = ["WRITABLE_VOLUMES", "is_volume_path", "read_volume", "volume_stem", "write_volume"]
 
 _TIFF = (".tif", ".tiff")
 _DICOM = (".dcm", ".dicom", ".ima")
@@ -53,6 +53,11 @@ def is_volume_path(path: str | os.PathLike[str]) -> bool:
             return False  # files without the preamble have no suffix either, but an id for a name
         return looks_like_dicom(start, path.stat().st_size)
     return False
+
+
+def volume_stem(path: str | os.PathLike[str]) -> str:
+    """Return the name of a volume's file or folder without suffixes."""
+    return Path(path).resolve().name.partition(".")[0] or "ct"
 
 
 def read_volume(

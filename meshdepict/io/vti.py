@@ -155,9 +155,7 @@ def write_vti(path: Path, values: NDArray[Any], grid: Grid, comments: Sequence[s
     """Write scalar or RGBA values on a volume's grid, wholly or not at all."""
     from vtkmodules.vtkIOXML import vtkXMLImageDataWriter
 
-    image = image_of(values, grid)
-    if comments:
-        image.field_data["meshdepict"] = list(comments)
+    image = image_of(values, grid, comments)
     writer: Any = vtkXMLImageDataWriter()
     with atomic_write(path) as file:
         writer.SetFileName(file.name)

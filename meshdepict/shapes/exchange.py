@@ -192,8 +192,11 @@ def _colors_together(attributes: Mapping[str, NDArray[Any]]) -> Arrays:
 # --- volumes ------------------------------------------------------------------------------------
 
 
-def image_of(values: NDArray[Any], grid: Grid) -> Any:
-    """Return ``pyvista.ImageData`` with scalars "values" or colours "RGBA" on a grid."""
+def image_of(values: NDArray[Any], grid: Grid, lines: Iterable[str] = ()) -> Any:
+    """Return ``pyvista.ImageData`` with scalars "values" or colours "RGBA" on a grid.
+
+    Lines of provenance are kept in the field data, as by `to_polydata`.
+    """
     import pyvista as pv
 
     image = pv.ImageData(
@@ -209,6 +212,8 @@ def image_of(values: NDArray[Any], grid: Grid) -> Any:
         image.field_data["unit"] = [grid.unit]
         if grid.length_unit:
             image.field_data["length_unit"] = [grid.length_unit.replace("µ", "u")]  # VTK's ASCII
+    if lines := list(lines):
+        image.field_data[_FIELD] = lines
     return image
 
 

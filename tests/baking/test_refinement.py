@@ -82,6 +82,7 @@ def test_on_a_torus_principal_curvatures_keep_order_and_direction(rng):
     assert np.quantile(along[clear], 0.01) > 0.99
 
 
+@pytest.mark.filterwarnings("ignore:winding of 1 faces was turned")  # there twice on purpose
 def test_opposite_normals_leave_the_nearest():
     mesh = Mesh([(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1e-3)], [(0, 1, 2), (0, 2, 1), (0, 1, 3)])
     space = md.scale_space(mesh, scales=1)

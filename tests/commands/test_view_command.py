@@ -5,6 +5,8 @@ import pytest
 
 from meshdepict import viewer
 from meshdepict.baking.recipe import save_recipe
+from meshdepict.io.volumes import write_volume
+from meshdepict.shapes.phantom import ct_phantom
 
 pytest.importorskip("pyvista")
 
@@ -31,6 +33,18 @@ def test_a_window_opens_and_ends(run, ball_ply):
     assert (status, out) == (0, [])
     assert err[-1] == "meshdepict: h shows the keys, q closes the window"
     assert run("view", "ball.ply", "-m", "lambert", "--frames", 1, "--quiet") == (0, [], [])
+
+
+def test_a_volume_opens_the_same_window(run, folder):
+    write_volume("head.nrrd", (head := ct_phantom((16, 18, 14))).values, head)
+    words = ("view", "head.nrrd", "-m", "lambert", "--frames", 1)
+    status, out, err = run(*words)
+    assert (status, out) == (0, [])
+    assert err[-1] == "meshdepict: h shows the keys, q closes the window"
+    assert not [line for line in run(*words, "--quiet")[2] if "keys" in line]
+    save_recipe("look.toml", {"method": "phong", "transfer": "skin", "light": "east"})
+    assert run("view", "head.nrrd", "--recipe", "look.toml", "--frames", 1)[0] == 0
+    assert "the browser shows meshes alone so far" in wrong(run, "head.nrrd", "--browser")
 
 
 def test_without_a_file_it_is_the_golf_ball(run, pages):

@@ -1,7 +1,5 @@
 """The window on a volume, off screen: light, keys, slices, files, and the session behind it."""
 
-import signal
-
 import numpy as np
 import pytest
 from volume_shapes import SOLID, WHITE, blobs
@@ -13,7 +11,6 @@ from meshdepict.drawing.picture import read_picture_provenance
 from meshdepict.errors import MeshdepictError
 from meshdepict.io.volumes import read_volume
 from meshdepict.shapes.samples import ct_phantom
-from meshdepict.viewer.windows import window_events
 from meshdepict.viewer.windows.clipping_box import ClippingBox
 from meshdepict.viewer.windows.keys import action_of, help_text
 from meshdepict.viewer.windows.volume_keys import KEYS
@@ -257,27 +254,10 @@ def test_the_window_runs_for_some_frames_and_needs_a_display(head, monkeypatch):
         show_volume(head, "lambert")
 
 
-def test_a_fault_ends_the_window_and_is_raised(head):
-    made = VolumeWindow(VolumeSession(head, "lambert"), size=(100, 90), off_screen=True)
-    made.fault = KeyboardInterrupt()
-    with pytest.raises(KeyboardInterrupt):
-        made.run(frames=1)
-
-
 def test_a_saved_volume_can_be_opened(window, tmp_path):
     window.actions.press("a")
     with pytest.raises(MeshdepictError):  # RGBA: no CT numbers any more
         read_volume(next(tmp_path.glob("*.vti")))
-
-
-def test_control_c_ends_the_window(head, monkeypatch):
-    made = VolumeWindow(VolumeSession(head, "lambert"), size=(100, 90), off_screen=True, live=False)
-    monkeypatch.setattr(window_events, "check_display", lambda plotter: None)
-    usual = signal.getsignal(signal.SIGINT)
-    monkeypatch.setattr(made.plotter.iren, "start", lambda: signal.raise_signal(signal.SIGINT))
-    with pytest.raises(KeyboardInterrupt):
-        made.run()
-    assert signal.getsignal(signal.SIGINT) is usual
 
 
 # --- keys and the box ---------------------------------------------------------------------------

@@ -1,6 +1,5 @@
 """The window off screen: events go in as a window system sends them, pictures come out."""
 
-import signal
 import sys
 
 import numpy as np
@@ -14,7 +13,6 @@ from meshdepict.shading import METHODS
 from meshdepict.shapes.mesh import Mesh
 from meshdepict.viewer.session import Session
 from meshdepict.viewer.windows import preview as preview_module
-from meshdepict.viewer.windows import window_events
 from meshdepict.viewer.windows.camera import camera_view, same_sight
 from meshdepict.viewer.windows.keys import KEYS
 from meshdepict.viewer.windows.window import Window
@@ -300,17 +298,6 @@ def test_perspective_has_no_scale_bar(window, hand):
     assert not window.scenery._ruler._actor.GetVisibility()
 
 
-def test_the_scale_bar_is_as_long_as_it_says(window, session):
-    for zoom in (1.0, 3.7, 0.2):
-        window.camera.parallel_scale *= zoom
-        window.draw()
-        ruler = window.scenery._ruler
-        left, right, *_ = ruler._bar.bounds
-        length = float(ruler._label.GetInput().split()[0])
-        per_pixel = 2 * moved(window).parallel_scale / SIZE[1]
-        assert (right - left) * per_pixel == pytest.approx(length, abs=per_pixel)
-
-
 # --- options --------------------------------------------------------------------------------
 
 
@@ -522,16 +509,6 @@ def test_a_fault_ends_the_window_and_is_raised(ball, monkeypatch):
     window.plotter.iren.interactor.InvokeEvent("TimerEvent")
     with pytest.raises(KeyboardInterrupt):
         window.run(frames=1)
-
-
-def test_control_c_ends_the_window(ball, monkeypatch):
-    window = Window(Session(ball, "lambert"), size=SIZE, off_screen=True, live=False)
-    monkeypatch.setattr(window_events, "check_display", lambda plotter: None)
-    usual = signal.getsignal(signal.SIGINT)
-    monkeypatch.setattr(window.plotter.iren, "start", lambda: signal.raise_signal(signal.SIGINT))
-    with pytest.raises(KeyboardInterrupt):
-        window.run()
-    assert signal.getsignal(signal.SIGINT) is usual
 
 
 def test_smoothing_is_announced_and_the_words_go_when_it_is_done(window, session, monkeypatch):

@@ -18,7 +18,6 @@ from meshdepict.viewer.live.look import (
     LiveLook,
     changed_options,
     live_lights,
-    live_method,
     live_methods,
     look_uniforms,
     switches,
@@ -72,26 +71,14 @@ class LiveShading(LiveLook):
         For what can't be live, and wrong options; nothing changes then.
     """
 
-    def __init__(
-        self,
-        space: ScaleSpace,
-        method: str,
-        *,
-        options: Mapping[str, Any] | None = None,
-        light: Any = "northwest",
-        view: View | str,
-        colormap: str | None = None,
-    ) -> None:
-        live_method(method)
+    def _made(self, space: Any) -> Any:
         shape = getattr(space, "shape", None)
         if not len(getattr(shape, "faces", ())) or len(space.points) != len(space.shape.vertices):
             raise MeshdepictError(
                 "live shading needs the scale space of a mesh's vertices; bake other shapes instead"
             )
-        super().__init__(space, method, light, view)
-        self._colormap = colormap
-        self.actor, self._poly = _actor(space)
-        self._show(options=dict(options or {}))
+        actor, self._poly = _actor(space)
+        return actor
 
     def set_colormap(self, colormap: str | None) -> None:
         """Colour by another 1D map; None is grey."""

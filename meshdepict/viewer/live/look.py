@@ -40,14 +40,25 @@ class LiveLook:
     Parameters
     ----------
     space : ScaleSpace
-    method, light, view
+    method, light, view, colormap
         As in `bake`.
+    options : mapping, optional
+        The method's own.
     """
 
-    actor: Any
-
-    def __init__(self, space: ScaleSpace, method: str, light: Any, view: View | str) -> None:
+    def __init__(
+        self,
+        space: ScaleSpace,
+        method: str,
+        *,
+        options: Mapping[str, Any] | None = None,
+        light: Any = "northwest",
+        view: View | str,
+        colormap: str | None = None,
+    ) -> None:
         self._method, self._space = live_method(method), space
+        self._colormap = colormap
+        self.actor: Any = self._made(space)
         self._options: dict[str, Any] = {
             name: option.default for name, option in options_of(self._method.function).items()
         }
@@ -56,6 +67,11 @@ class LiveLook:
         self._key: tuple[Any, ...] | None = None
         self._defines: dict[str, int] | None = None
         self._sets = 0
+        self._show(options=dict(options or {}))
+
+    def _made(self, space: Any) -> Any:
+        """Return an actor of a scale space's shape; refuse other shapes."""
+        raise NotImplementedError
 
     @property
     def method(self) -> str:

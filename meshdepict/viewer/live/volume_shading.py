@@ -32,7 +32,6 @@ from meshdepict.viewer.live.look import (
     LiveLook,
     changed_options,
     live_lights,
-    live_method,
     look_uniforms,
     switches,
 )
@@ -106,22 +105,15 @@ class LiveVolume(LiveLook):
 
     _space: GridSpace
 
-    def __init__(
-        self,
-        space: GridSpace,
-        method: str,
-        *,
-        options: Mapping[str, Any] | None = None,
-        light: Any = "northwest",
-        view: View | str,
-    ) -> None:
-        live_method(method)
+    def _made(self, space: Any) -> Any:
         _check_space(space)
-        super().__init__(space, method, light, view)
+        if self._colormap is not None:
+            raise MeshdepictError(
+                "colormap is about meshes: a volume has the colours of its transfer function"
+            )
         self._attributes: Mapping[str, NDArray[np.float32]] = {}
         self._values, corner = _numbered(space)
-        self.actor = volume_actor(self._values, space.shape, corner)
-        self._show(options=dict(options or {}))
+        return volume_actor(self._values, space.shape, corner)
 
     def _enter(self, window: Any) -> None:
         window.renderer.AddVolume(self.actor)

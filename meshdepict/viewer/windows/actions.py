@@ -1,35 +1,73 @@
-"""What the window's keys do; `keys` says which key does what."""
+"""What the windows' keys do; `keys` says which key does what."""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
+from meshdepict.errors import MeshdepictError
 from meshdepict.scene.view import VIEWS
 from meshdepict.viewer.windows import exports
 from meshdepict.viewer.windows.camera import project_in_parallel, project_in_perspective
-from meshdepict.viewer.windows.cycle import colormaps, next_method, other
-from meshdepict.viewer.windows.key_actions import ARROWS, KeyActions
-from meshdepict.viewer.windows.keys import KEYS
+from meshdepict.viewer.windows.cycle import next_method, other
+from meshdepict.viewer.windows.keys import KEYS, Key, action_of, hint
+
+if TYPE_CHECKING:
+    from meshdepict.viewer.windows.lit_window import LitWindow
 
 __all__ = ["Actions"]
 
+_ARROWS = {"left": (-1, 0), "right": (1, 0), "up": (0, 1), "down": (0, -1)}
+_TURN = 5 / 180  # of the light for an arrow key: 5°, in heights of the picture
 _SHIFT = 0.02  # of the line for a key, in widths of the picture
 
 
-class Actions(KeyActions):
-    """The actions of `keys.KEYS` on a `Window`."""
+class Actions:
+    """The actions of keys on a window: a method of that name for each.
 
-    keys = KEYS
+    Where there is none, as of ``light_left`` or ``choice_1``, the part after the line is the
+    argument of the method that is called as the part before it. An action draws what it changes.
+
+    Attributes
+    ----------
+    keys : sequence of Key
+    """
+
+    keys: Sequence[Key] = KEYS
+
+    def __init__(self, window: LitWindow) -> None:
+        self._window = window
+
+    def press(self, symbol: str) -> None:
+        """Do what a key (as VTK names it) does; say so where it does nothing or can't."""
+        window, action = self._window, action_of(symbol, self.keys)
+        if action is None:
+            if hint(symbol):
+                window.say(hint(symbol))
+            return
+        window.said = ""
+        word, _, rest = action.partition("_")
+        try:
+            if hasattr(self, action):
+                getattr(self, action)()
+            else:
+                getattr(self, word)(rest)
+        except MeshdepictError as error:
+            window.say(str(error))
 
     # --- the session ------------------------------------------------------------------------
 
     def next(self, what: str, step: int = 1) -> None:
-        """Go on to the next method, colour map, view or page of options."""
-        {"method": self._method, "colormap": self._colormap, "view": self._view,
+        """Go on to the next method, colours, view or page of options."""
+        {"method": self._method, "colors": self._colors, "view": self._view,
          "page": self._page}[what](step)  # fmt: skip
+
+    def previous(self, what: str) -> None:
+        """Go back to the one before."""
+        self.next(what, -1)
 
     def choice(self, number: str) -> None:
         """Go on to the next choice of a list of the panel."""
@@ -39,13 +77,8 @@ class Actions(KeyActions):
 
     def reset(self) -> None:
         """Go back to the beginning."""
-        window = self._window
-        window.session.reset()
-        window.scenery.wipe.on = False
-        window.object.compare(on=False)
-        window.go(window.session.view)
-        window.object.touch()
-        window.say("back to the beginning")
+        self._window.reset()
+        self._window.say("back to the beginning")
 
     def _method(self, step: int) -> None:
         from meshdepict.shading.registry import METHODS
@@ -57,11 +90,11 @@ class Actions(KeyActions):
         window.object.touch()
         window.say(refusals[0] if refusals else "")
 
-    def _colormap(self, step: int) -> None:
-        session = self._window.session
-        session.paint(other(colormaps(session), session.colormap, step))
-        self._window.object.touch()
-        self._window.say(f"colour map: {session.colormap or 'gray'}")
+    def _colors(self, step: int) -> None:
+        window = self._window
+        said = window.next_colors(step)
+        window.object.touch()
+        window.say(said)
 
     def _view(self, step: int) -> None:
         window = self._window
@@ -72,6 +105,22 @@ class Actions(KeyActions):
     def _page(self, _: int) -> None:
         self._window.scenery.panel.turn_page()
         self._window.draw()
+
+    # --- the light --------------------------------------------------------------------------
+
+    def light(self, direction: str) -> None:
+        """Turn the light a little."""
+        right, up = _ARROWS[direction]
+        self._window.turn_light(_TURN * right, _TURN * up)
+
+    def fix_light(self) -> None:
+        """Fix the light to the eye, or to the object again."""
+        window = self._window
+        window.look()
+        to = "eye" if window.session.light_fixed_to == "object" else "object"
+        window.session.fix_light(to)
+        goes = {"eye": "goes with the eye", "object": "stays with the object"}[to]
+        window.say(f"the light {goes} now")
 
     # --- how it is seen ---------------------------------------------------------------------
 
@@ -90,14 +139,13 @@ class Actions(KeyActions):
     def wipe(self) -> None:
         """Show before and after, parted by a line, or after alone."""
         window = self._window
-        window.scenery.wipe.on = not window.scenery.wipe.on
-        window.object.compare(on=window.scenery.wipe.on)
+        window.compare(on=not window.scenery.wipe.on)
         window.draw()
 
     def line(self, direction: str) -> None:
         """Move the line to the left or right."""
         wipe = self._window.scenery.wipe
-        wipe.move(wipe.place + _SHIFT * ARROWS[direction][0])
+        wipe.move(wipe.place + _SHIFT * _ARROWS[direction][0])
         self._window.moved(recolored=False)
 
     def fly(self) -> None:
@@ -127,24 +175,27 @@ class Actions(KeyActions):
 
     def snapshot(self) -> None:
         """Save the picture, as large as it is here, without the controls."""
-        self._window.look()
-        self._save(exports.save_snapshot, self._window.scenery.picture_size)
+        self._save(self._window.save_picture)
 
-    def save_mesh(self) -> None:
-        """Save the mesh with its colours."""
-        self._window.look()
-        self._save(exports.save_mesh)
+    def save_shape(self) -> None:
+        """Save the shape with its colours."""
+        self._save(self._window.save_shape)
 
     def save_recipe(self) -> None:
         """Save the look."""
-        self._window.look()
-        self._save(exports.save_look)
-
-    def _save(self, save: Any, *more: Any) -> None:
         window = self._window
+        self._save(lambda: exports.save_look(window.session, window.name, folder=window.folder))
+
+    def _save(self, save: Callable[[], Path]) -> None:
+        window = self._window
+        window.look()
         try:
-            path: Path = save(window.session, window.name, *more, folder=window.folder)
+            path = save()
         except OSError as error:
             window.say(f"it can't be saved in {window.folder}: {error.strerror or error}")
         else:
             window.say(f"saved {path.name}")
+
+    def close(self) -> None:
+        """Close the window."""
+        self._window.close()

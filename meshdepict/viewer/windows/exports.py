@@ -1,18 +1,21 @@
-"""What people take away from a viewer: a picture, the mesh with its colours, the look as a recipe.
+"""What people take away from a viewer: a picture, the shape with its colours, the look as a recipe.
 
 Nothing is ever replaced: a name that is taken gets a number.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from itertools import count
 from pathlib import Path
+from typing import Any
 
 from meshdepict.baking.recipe import save_recipe
 from meshdepict.drawing.picture import save_picture
+from meshdepict.drawing.volume_picture import save_volume_picture
 from meshdepict.viewer.session import Session
 
-__all__ = ["free_path", "save_look", "save_mesh", "save_snapshot"]
+__all__ = ["free_path", "save_look", "save_mesh", "save_snapshot", "save_voxels"]
 
 
 def free_path(stem: str, suffix: str, folder: str | Path = ".") -> Path:
@@ -25,16 +28,32 @@ def free_path(stem: str, suffix: str, folder: str | Path = ".") -> Path:
 
 
 def save_snapshot(
-    session: Session, name: str, size: tuple[int, int], *, folder: str | Path = "."
+    session: Session,
+    name: str,
+    size: tuple[int, int],
+    *,
+    planes: Sequence[Any] = (),
+    folder: str | Path = ".",
 ) -> Path:
-    """Save the picture as ``<name>-<method>.png`` of a size in pixels; return its path."""
+    """Save the picture as ``<name>-<method>.png`` of a size in pixels; return its path.
+
+    Of a volume planes (vtkPlane) cut off what is on their negative sides.
+    """
     path = free_path(f"{name}-{session.method}", ".png", folder)
-    return save_picture(session.baked(), path, size=size)
+    baked: Any = session.baked()
+    if session.shape.kind == "volume":
+        return save_volume_picture(baked, path, size=size, planes=planes)
+    return save_picture(baked, path, size=size)
 
 
 def save_mesh(session: Session, name: str, *, folder: str | Path = ".") -> Path:
     """Save the mesh with its colours as ``<name>-<method>.ply``; return its path."""
     return session.baked().save(free_path(f"{name}-{session.method}", ".ply", folder))
+
+
+def save_voxels(session: Session, name: str, *, folder: str | Path = ".") -> Path:
+    """Save the shaded voxels as ``<name>-<method>.vti``; return its path."""
+    return session.baked().save(free_path(f"{name}-{session.method}", ".vti", folder))
 
 
 def save_look(session: Session, name: str, *, folder: str | Path = ".") -> Path:

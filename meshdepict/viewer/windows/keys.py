@@ -1,11 +1,14 @@
-"""The keys of the window, said once: what they do, the help, and the hint for any other key."""
+"""The keys of the windows, said once: what they do, the help, and the hint for any other key."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
 from typing import NamedTuple
 
-__all__ = ["KEYS", "LIGHT_KEYS", "POINTER", "Key", "action_of", "help_text", "hint"]
+__all__ = ["KEYS", "POINTER", "WELCOME", "Key", "action_of", "help_text", "hint", "window_keys"]
+
+WELCOME = "h shows the keys, q closes the window"
+"""What people have to know at first."""
 
 
 class Key(NamedTuple):
@@ -20,38 +23,51 @@ class Key(NamedTuple):
     words: str
 
 
-LIGHT_KEYS = (
-    Key("light_left", ("Left",), "arrows", "turn the light by 5 degrees"),
-    *(Key(f"light_{name.lower()}", (name,), "", "") for name in ("Right", "Up", "Down")),
-    Key("fix_light", ("l", "L"), "l", "light fixed to the eye, or to the object"),
-)
+def window_keys(colors: str, saved: str, *own: Key) -> tuple[Key, ...]:
+    """Return the keys of a window on one kind of shape: the same for the same things.
 
-# The window turns VTK's and PyVista's own keys off: of theirs, q, e, r, f and v do here what they
-# do there or nearly so; w, s, p, b, c mean something of this program's.
-KEYS = (
-    Key("help", ("h", "H", "question"), "h  ?", "these keys"),
-    Key("next_method", ("m",), "m", "next method"),
-    Key("previous_method", ("M",), "M", "method before"),
-    Key("next_colormap", ("c",), "c", "next colour map"),
-    Key("previous_colormap", ("C",), "C", "colour map before"),
-    Key("next_page", ("Tab",), "Tab", "more options, where there are"),
-    Key("choice_1", ("1", "KP_1"), "1 - 6", "next choice of that list"),
-    *(Key(f"choice_{i}", (str(i), f"KP_{i}"), "", "") for i in range(2, 7)),
-    *LIGHT_KEYS,
-    Key("wipe", ("w", "W"), "w", "before and after: a line parts them"),
-    Key("line_left", ("bracketleft",), "[", "move the line to the left"),
-    Key("line_right", ("bracketright",), "]", "move the line to the right"),
-    Key("next_view", ("v",), "v", "next view: front, back, right, ..."),
-    Key("previous_view", ("V",), "V", "view before"),
-    Key("fly", ("f", "F"), "f", "look at the point under the pointer"),
-    Key("projection", ("o", "O"), "o", "parallel projection, or perspective"),
-    Key("bare", ("b", "B"), "b", "the object alone, or all controls"),
-    Key("reset", ("r", "R"), "r", "back to the beginning"),
-    Key("snapshot", ("s", "S"), "s", "save a picture (PNG)"),
-    Key("save_mesh", ("p", "P"), "p", "save the mesh with these colours (PLY)"),
-    Key("save_recipe", ("t", "T"), "t", "save this look as a recipe (TOML)"),
-    Key("close", ("q", "Q", "e", "E", "Escape"), "q  Esc", "close the window"),
-)
+    Parameters
+    ----------
+    colors : str
+        What decides the colours of such a shape.
+    saved : str
+        As what it is saved.
+    *own : Key
+        What this kind alone can do.
+    """
+    # The window turns VTK's and PyVista's own keys off: of theirs, q, e, r, f and v do here what
+    # they do there or nearly so; w, s, p, b, c mean something of this program's.
+    return (
+        Key("help", ("h", "H", "question"), "h  ?", "these keys"),
+        Key("next_method", ("m",), "m", "next method"),
+        Key("previous_method", ("M",), "M", "method before"),
+        Key("next_colors", ("c", "p"), "c", f"next {colors}"),
+        Key("previous_colors", ("C", "P"), "C", f"{colors} before"),
+        Key("next_page", ("Tab",), "Tab", "more options, where there are"),
+        Key("choice_1", ("1", "KP_1"), "1 - 6", "next choice of that list"),
+        *(Key(f"choice_{i}", (str(i), f"KP_{i}"), "", "") for i in range(2, 7)),
+        Key("light_left", ("Left",), "arrows", "turn the light by 5 degrees"),
+        *(Key(f"light_{name.lower()}", (name,), "", "") for name in ("Right", "Up", "Down")),
+        Key("fix_light", ("l", "L"), "l", "light fixed to the eye, or to the object"),
+        Key("wipe", ("w", "W"), "w", "before and after: a line parts them"),
+        Key("line_left", ("bracketleft",), "[", "move the line to the left"),
+        Key("line_right", ("bracketright",), "]", "move the line to the right"),
+        *own,
+        Key("next_view", ("v",), "v", "next view: front, back, right, ..."),
+        Key("previous_view", ("V",), "V", "view before"),
+        Key("fly", ("f", "F"), "f", "look at the point under the pointer"),
+        Key("projection", ("o", "O"), "o", "parallel projection, or perspective"),
+        Key("bare", ("b", "B"), "b", "the object alone, or all controls"),
+        Key("reset", ("r", "R"), "r", "back to the beginning"),
+        Key("snapshot", ("s", "S"), "s", "save a picture (PNG)"),
+        Key("save_shape", ("a", "A"), "a", f"save {saved}"),
+        Key("save_recipe", ("t", "T"), "t", "save this look as a recipe (TOML)"),
+        Key("close", ("q", "Q", "e", "E", "Escape"), "q  Esc", "close the window"),
+    )
+
+
+KEYS = window_keys("colour map", "the mesh with these colours (PLY)")
+"""Of the window on a mesh."""
 
 POINTER = (
     ("drag", "turn the object"),

@@ -16,14 +16,12 @@ from numpy.typing import NDArray
 from meshdepict.baking.look import bake
 from meshdepict.baking.surfaces import own_colors
 from meshdepict.errors import MeshdepictError
-from meshdepict.options import options_of
 from meshdepict.viewer.light_drag import lights_of
 from meshdepict.viewer.session import Session
+from meshdepict.viewer.windows.lit_shape import LitShape
 from meshdepict.viewer.windows.preview import Proxy
 
-__all__ = ["NO_CARD", "LitObject", "PaintedMesh", "colors_before"]
-
-NO_CARD = "no graphics card"
+__all__ = ["LitObject", "PaintedMesh", "colors_before"]
 
 
 def colors_before(session: Session, space: Any = None) -> NDArray[np.uint8]:
@@ -72,42 +70,23 @@ class PaintedMesh:
         self._poly.Modified()
 
 
-class LitObject:
-    """What a session shows, in a renderer.
-
-    Parameters
-    ----------
-    renderer : vtkRenderer
-    session : Session
-    live : bool
-        Whether the card may shade.
-    planes : {"now": vtkPlane, "before": vtkPlane}
-        What cuts the two while they are compared.
-
-    Attributes
-    ----------
-    why_baked : str
-        Why the card does not shade; empty where it does.
-    """
+class LitObject(LitShape):
+    """A mesh that a session shows, in a plotter; parameters as of `LitShape`."""
 
     def __init__(
-        self, renderer: Any, session: Session, *, live: bool, planes: dict[str, Any]
+        self, plotter: Any, session: Session, *, live: bool, planes: dict[str, Any]
     ) -> None:
-        self._renderer = renderer
-        self._session = session
-        self._may_live = live
+        super().__init__(plotter, session, live=live, planes=planes)
+        self._renderer = plotter.renderer
         self._live: Any = None
         self._tried: Any = None  # what `_live` was made, or refused, for
-        self.why_baked = "" if live else NO_CARD
         self._proxy: Proxy | None = None
         self._meshes: dict[tuple[str, str], PaintedMesh] = {}
         self._stale: set[tuple[str, str]] = set()
-        self._planes = planes
-        self.comparing = False
 
     @property
     def has_stand_in(self) -> bool:
-        """Whether there is a coarse one to show."""
+        """Whether the mesh is so big that there is a coarse one to show."""
         return Proxy.worth(self._session.shape)
 
     def prepare(self) -> None:
@@ -120,20 +99,7 @@ class LitObject:
         self._stale |= {(size, when) for size in ("whole", "coarse") for when in ("now", "before")}
 
     def show(self, *, coarse: bool = False, fresh: bool = True) -> float:
-        """Bring what is shown up to date; return the seconds that shading took.
-
-        Parameters
-        ----------
-        coarse : bool
-            Whether to show a stand-in; small shapes have none.
-        fresh : bool
-            Whether colours have to be today's; else those of before will do.
-
-        Raises
-        ------
-        MeshdepictError
-            Where the method can't shade this.
-        """
+        """Bring what is shown up to date; see `LitShape.show`."""
         size = "coarse" if coarse and self.has_stand_in else "whole"
         began = time.perf_counter()
         live = self._shade_live(fresh=fresh) if size == "whole" else None
@@ -159,8 +125,8 @@ class LitObject:
         return np.array(picker.GetPickPosition()) if found else None
 
     def compare(self, *, on: bool) -> None:
-        """Show the object before, too, each on the positive side of its plane."""
-        self.comparing = on
+        """Show the mesh before, too: in its own colours, or Lambert's."""
+        super().compare(on=on)
         for (_, when), mesh in self._meshes.items():
             self._clip(mesh.actor, when)
         if self._live is not None:
@@ -215,12 +181,9 @@ class LitObject:
             return None
         if self._live is not None and not fresh:
             return self._live
-        from meshdepict.shading.registry import find_method
         from meshdepict.viewer.live.live_shading import LiveShading
 
-        session = self._session
-        options = {name: o.default for name, o in options_of(find_method(session.method)).items()}
-        options |= session.options
+        session, options = self._session, self._options()
         anew = self._live is None or self._tried != session.method
         try:
             if anew:

@@ -1,98 +1,137 @@
-"""The volume in the window: shaded by the card, or baked and repainted, or VTK's own shading."""
+"""The volume in the window: shaded by the card or baked and repainted, beside VTK's own shading."""
 
 from __future__ import annotations
 
+import time
+from collections.abc import Callable
 from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
 
 from meshdepict.drawing.shader import caught_errors
 from meshdepict.drawing.volume_scene import add_baked, add_plain, add_rgba, repaint
 from meshdepict.errors import MeshdepictError
-from meshdepict.options import options_of
-from meshdepict.shading.registry import find_method
 from meshdepict.viewer.live.volume_shading import LiveVolume
-from meshdepict.viewer.windows.lit_object import NO_CARD
+from meshdepict.viewer.windows.lit_shape import LitShape
+from meshdepict.viewer.windows.volume_pick import first_seen
 from meshdepict.viewer.windows.volume_session import VolumeSession
 
 __all__ = ["LitVolume"]
 
 
-class LitVolume:
-    """What a session shows, in a plotter; one ``vtkVolume`` at a time.
+class LitVolume(LitShape):
+    """A volume that a session shows, in a plotter; parameters as of `LitShape`.
 
-    Parameters
-    ----------
-    plotter : pyvista.Plotter
-    session : VolumeSession
-    live : bool
-        Whether the card may shade.
-
-    Attributes
-    ----------
-    plain : bool
-        Whether VTK's own shading is shown instead, for comparison.
-    why_baked : str
-        Why the card does not shade; empty where it does.
+    One ``vtkVolume`` at a time, and VTK's own shading beside it while the two are compared.
     """
 
-    def __init__(self, plotter: Any, session: VolumeSession, *, live: bool) -> None:
-        self._plotter, self._session, self._may_live = plotter, session, live
-        self.plain = False
-        self.why_baked = "" if live else NO_CARD
+    def __init__(
+        self, plotter: Any, session: VolumeSession, *, live: bool, planes: dict[str, Any]
+    ) -> None:
+        super().__init__(plotter, session, live=live, planes=planes)
         self._actor: Any = None
         self._live: LiveVolume | None = None
         self._shown_for: tuple[Any, ...] = ()  # what the actor was made for
         self._painted: Any = None  # the bake that it has
-        self._planes: list[Any] = []
+        self._before: Any = None  # VTK's own shading
+        self._before_for: Any = None  # the transfer function that it has
+        self._box: list[Any] = []  # planes
         self._pixels = 1.0
         self._own_rays = True
         self._refused: tuple[Any, ...] = ()  # what the card could not shade, not to be tried again
 
-    def show(self) -> None:
-        """Bring what is shown up to date, but don't draw it.
+    @property
+    def pixels(self) -> float:
+        """Pixels between rays."""
+        return self._pixels
 
-        Raises
-        ------
-        MeshdepictError
-            Where the method can't shade this.
-        """
+    def show(self, *, coarse: bool = False, fresh: bool = True) -> float:
+        """Bring what is shown up to date; see `LitShape.show`. There is no stand-in."""
+        took = self._show_now() if fresh or self._actor is None else 0.0
+        if self.comparing and self._before_for is not self._session.transfer:
+            self._drop_before()
+            self._before = add_plain(self._plotter, self._session.shape, self._session.transfer)
+            self._before_for = self._session.transfer
+            self.coarsen(self._pixels)
+            self._clip()
+        return took
+
+    def point_at(self, place: tuple[int, int]) -> NDArray[np.float64] | None:
+        """Return the point (3,) of the scene where a ray's light is half used up, if any."""
+        renderer, ends = self._plotter.renderer, []
+        for depth in (0.0, 1.0):
+            renderer.SetDisplayPoint(*place, depth)
+            renderer.DisplayToWorld()
+            end = np.array(renderer.GetWorldPoint())
+            ends.append(end[:3] / end[3])
         session = self._session
-        if self.plain:
-            self._become(("plain", session.transfer), self._add_plain)
-        elif not self._show_live():
-            baked = session.baked()
-            self._become(("baked", session.transfer, id(baked.space)), self._add_baked)
-            if self._painted is not baked:
-                self._paint(baked)
+        return first_seen(session.shape, session.transfer, ends[0], ends[1], self._box)
+
+    def compare(self, *, on: bool) -> None:
+        """Show VTK's own shading, too, or no longer: its copy of a volume takes memory."""
+        super().compare(on=on)
+        if not on:
+            self._drop_before()
+        self._clip()
 
     def coarsen(self, pixels: float) -> None:
         """Send a ray through every so many pixels alone, along both sides."""
         self._pixels = pixels
-        self._actor.GetMapper().SetImageSampleDistance(pixels)
+        for actor in self._actors():
+            actor.GetMapper().SetImageSampleDistance(pixels)
 
     def clip(self, planes: list[Any]) -> None:
         """Show what is on the positive side of planes (vtkPlane)."""
-        self._planes = planes
-        mapper = self._actor.GetMapper()
-        mapper.RemoveAllClippingPlanes()
-        for plane in planes:
-            mapper.AddClippingPlane(plane)
+        self._box = planes
+        self._clip()
 
-    def _become(self, key: tuple[Any, ...], add: Any) -> None:
+    def _clip(self) -> None:
+        for when, actor in (("now", self._actor), ("before", self._before)):
+            if actor is not None:
+                mapper = actor.GetMapper()
+                mapper.RemoveAllClippingPlanes()
+                for plane in (*self._box, *([self._planes[when]] if self.comparing else ())):
+                    mapper.AddClippingPlane(plane)
+
+    def _actors(self) -> list[Any]:
+        return [actor for actor in (self._actor, self._before) if actor is not None]
+
+    def _drop_before(self) -> None:
+        self._remove(self._before)
+        self._before = self._before_for = None
+
+    def _remove(self, actor: Any) -> None:
+        if actor is not None:
+            self._plotter.renderer.RemoveVolume(actor)
+            actor.ReleaseGraphicsResources(self._plotter.render_window)
+
+    def _show_now(self) -> float:
+        """Bring the session's shading up to date; return the seconds that it took."""
+        began = time.perf_counter()
+        if self._show_live():
+            return time.perf_counter() - began
+        session = self._session
+        baked = session.baked()
+        took = time.perf_counter() - began
+        self._become(("baked", session.transfer, id(baked.space)), self._add_baked)
+        if self._painted is not baked:
+            began = time.perf_counter()
+            self._paint(baked)
+            took += time.perf_counter() - began
+        return took
+
+    def _become(self, key: tuple[Any, ...], add: Callable[[], Any]) -> None:
         """Put another actor in the place of the one there, unless it is the same."""
         if key == self._shown_for:
             return
         former = self._actor
         self._live, self._painted = None, None
         self._actor = add()
-        if former is not None:
-            self._plotter.renderer.RemoveVolume(former)
-            former.ReleaseGraphicsResources(self._plotter.render_window)
+        self._remove(former)
         self._shown_for = key
         self.coarsen(self._pixels)
-        self.clip(self._planes)
-
-    def _add_plain(self) -> Any:
-        return add_plain(self._plotter, self._session.shape, self._session.transfer)
+        self._clip()
 
     def _add_baked(self) -> Any:
         baked = self._session.baked()
@@ -122,8 +161,7 @@ class LitVolume:
         key = ("live", session.transfer, session.method)
         if not self._may_live or key == self._refused:
             return False
-        options = {name: o.default for name, o in options_of(find_method(session.method)).items()}
-        options |= session.options
+        options = self._options()
         try:
             if key != self._shown_for or self._live is None:
                 made = LiveVolume(

@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import cached_property
 from typing import Any
 
 from meshdepict.drawing.display import check_opengl, has_graphics_card
 from meshdepict.viewer.session import Session
-from meshdepict.viewer.windows.keys import KEYS, help_text
+from meshdepict.viewer.windows.keys import WELCOME, Key, help_text
 from meshdepict.viewer.windows.labels import label
 from meshdepict.viewer.windows.light_gizmo import LightGizmo
-from meshdepict.viewer.windows.lit_object import NO_CARD
+from meshdepict.viewer.windows.lit_shape import NO_CARD
 from meshdepict.viewer.windows.option_panel import OptionPanel
 from meshdepict.viewer.windows.ruler import Ruler
-from meshdepict.viewer.windows.status import light_line, view_line
+from meshdepict.viewer.windows.status import color_line, light_line, view_line
 from meshdepict.viewer.windows.wipe import Wipe
 
 __all__ = ["Scenery"]
@@ -34,6 +34,10 @@ class Scenery:
     session : Session
     changed : callable (name, value)
         Told what options the person chose.
+    name : str
+        Of what is shown, for the title.
+    keys : sequence of Key
+        What the help says.
     size : (int, int)
         In pixels.
     off_screen : bool
@@ -52,6 +56,8 @@ class Scenery:
         session: Session,
         changed: Callable[[str, Any], None],
         *,
+        name: str,
+        keys: Sequence[Key],
         size: tuple[int, int],
         off_screen: bool,
     ) -> None:
@@ -60,11 +66,12 @@ class Scenery:
 
         self._session = session
         self.helping = self.bare = False
+        title = f"{name} - meshdepict"
         self.plotter = pv.Plotter(
-            window_size=list(size), off_screen=off_screen, notebook=False, title="meshdepict"
+            window_size=list(size), off_screen=off_screen, notebook=False, title=title
         )
         check_opengl(self.plotter)
-        self.plotter.render_window.SetWindowName("meshdepict")
+        self.plotter.render_window.SetWindowName(title)
         self.plotter.set_background("white")
         self.plotter.iren.initialize()  # sliders need it
         main = self.plotter.renderer
@@ -98,7 +105,8 @@ class Scenery:
         self._source = label(self._side, "", (0.08, 0.915), size=10, color=_FAINT)
         self._lines = label(self._side, "", (0.08, 0.205), size=11, color=_FAINT)
         self._message = label(main, "", (0.015, 0.965), size=14)
-        columns = (text.splitlines() for text in help_text(KEYS))
+        self._welcome = label(main, WELCOME, (0.985, 0.02), size=12, color=_FAINT, align="right")
+        columns = (text.splitlines() for text in help_text(keys))
         rows = [f" {keys:<26}{words:<44}" for keys, words in zip(*columns, strict=True)]
         self._help = label(main, "\n".join(rows), (0.5, 0.5), size=13, align="center")
         letters = self._help.GetTextProperty()
@@ -135,7 +143,7 @@ class Scenery:
         reason = f": {why_baked}" if why_baked not in ("", NO_CARD) else ""
         shading = f"shaded by the {where}{reason}"
         lines = [
-            f"colour map: {session.colormap or 'gray'}",
+            color_line(session),
             view_line(session),
             light_line(session),
             shading,
@@ -147,7 +155,8 @@ class Scenery:
         for renderer in (self._side, self.gizmo.renderer):
             renderer.SetDraw(not self.bare)
         self.panel.show(shown=not self.bare)
-        self._message.SetVisibility(not self.bare)
+        for words in (self._message, self._welcome):
+            words.SetVisibility(not self.bare)
         self._help.SetVisibility(self.helping)
 
     def _follow_camera(self) -> None:

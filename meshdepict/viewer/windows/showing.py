@@ -1,4 +1,4 @@
-"""`Baked.show`: a window with the object under a light that moves, or a plain picture."""
+"""`show` of bakes: a window with the object under a light that moves, or a plain picture."""
 
 from __future__ import annotations
 
@@ -7,22 +7,27 @@ from typing import TYPE_CHECKING, Any
 
 from meshdepict.drawing.display import check_display
 from meshdepict.drawing.picture import plot
+from meshdepict.drawing.volume_picture import plot_volume
 from meshdepict.errors import MeshdepictError
+from meshdepict.viewer.windows.lit_window import LitWindow
 from meshdepict.viewer.windows.reopened import session_of
+from meshdepict.viewer.windows.volume_session import VolumeSession
+from meshdepict.viewer.windows.volume_window import VolumeWindow
 from meshdepict.viewer.windows.window import Window
 
 if TYPE_CHECKING:
-    from meshdepict.baking.baked import Baked
+    from meshdepict.baking.baked import Depiction
+    from meshdepict.viewer.session import Session
 
-__all__ = ["show"]
+__all__ = ["show", "window_on"]
 
 
-def show(baked: Baked, **plotter: Any) -> Any:
+def show(baked: Depiction, **plotter: Any) -> Any:
     """Open a window on a bake; in notebooks, and with keywords for the plotter, a plain picture.
 
     Parameters
     ----------
-    baked : Baked
+    baked : Baked or BakedVolume
     **plotter
         ``window_size``, or anything for ``pyvista.Plotter`` and ``jupyter_backend``.
 
@@ -36,14 +41,25 @@ def show(baked: Baked, **plotter: Any) -> Any:
         backend = {key: plotter.pop(key) for key in ("jupyter_backend",) if key in plotter}
         if size is not None:
             plotter["window_size"] = size
-        return plot(baked, **plotter).show(**backend)
+        return _plot(baked, **plotter).show(**backend)
     check_display()
     try:
         session = session_of(baked)
     except MeshdepictError:  # nothing to change: colours as they are
-        return plot(baked, window_size=size).show()
+        return _plot(baked, window_size=size).show()
     chosen: dict[str, Any] = {} if size is None else {"size": tuple(size)}
-    return Window(session, **chosen).run()
+    return window_on(session, **chosen).run()
+
+
+def window_on(session: Session, **given: Any) -> LitWindow:
+    """Return a window on what a session shows; keywords as of `LitWindow`."""
+    kind: type[LitWindow] = VolumeWindow if isinstance(session, VolumeSession) else Window
+    return kind(session, **given)
+
+
+def _plot(baked: Any, **plotter: Any) -> Any:
+    """Return a plotter that shows a bake of either kind."""
+    return (plot_volume if baked.shape.kind == "volume" else plot)(baked, **plotter)
 
 
 def _in_notebook() -> bool:

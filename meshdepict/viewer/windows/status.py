@@ -4,8 +4,16 @@ from __future__ import annotations
 
 from meshdepict.viewer.light_drag import angles, lights_of
 from meshdepict.viewer.session import Session
+from meshdepict.viewer.windows.volume_session import VolumeSession
 
-__all__ = ["light_line", "view_line"]
+__all__ = ["color_line", "light_line", "view_line"]
+
+
+def color_line(session: Session) -> str:
+    """Return what decides the colours."""
+    if isinstance(session, VolumeSession):
+        return f"transfer function: {session.transfer.name}"
+    return f"colour map: {session.colormap or 'gray'}"
 
 
 def light_line(session: Session) -> str:

@@ -8,7 +8,7 @@ from typing import Any
 from meshdepict.baking.choices import choice_fields
 from meshdepict.baking.look import Look
 from meshdepict.baking.volumes import BakedVolume, as_volume, bake_grid
-from meshdepict.color.transfer import for_volume
+from meshdepict.color.transfer import PRESETS, for_volume
 from meshdepict.color.transfer_function import TransferFunction
 from meshdepict.scales.grid_scales import GridSpace
 from meshdepict.viewer.session import Session
@@ -77,6 +77,11 @@ class VolumeSession(Session):
             self._transfers[name] = for_volume(transfer, self.shape)
         self.transfer = self._transfers[name]
         self._baked = None
+
+    @property
+    def transfers(self) -> list[str]:
+        """Names of what can be shown: the presets, and what else was shown."""
+        return [*PRESETS, *(name for name in self._transfers if name not in PRESETS)]
 
     def look_now(self) -> Look:
         """Return what is chosen, for `go_back`, recipes and bakes."""
