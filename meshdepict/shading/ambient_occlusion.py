@@ -17,7 +17,9 @@ __all__ = ["Rays", "ambient_occlusion"]
 Rays = Annotated[int, Range(2, MOST_RAYS, help="rays from each point", soft=(16, 1024))]
 
 
-@method(local=False, source="Ambient occlusion (Zhukov et al. 1998)")
+@method(
+    local=False, lights="none", needs=("rays",), source="Ambient occlusion (Zhukov et al. 1998)"
+)
 def ambient_occlusion(
     space: ScaleSpace, light: Any, *, rays: Rays = 256, exposure: Exposure = 1.0
 ) -> NDArray[np.float32]:

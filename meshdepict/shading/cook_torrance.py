@@ -19,7 +19,11 @@ from meshdepict.shading.method import Exposure, exposed, method
 __all__ = ["cook_torrance"]
 
 
-@method(linear=True, source="Cook and Torrance, ACM Transactions on Graphics 1(1), 1982")
+@method(
+    linear=True,
+    lights="several",
+    source="Cook and Torrance, ACM Transactions on Graphics 1(1), 1982",
+)
 def cook_torrance(
     space: ScaleSpace,
     light: Any,

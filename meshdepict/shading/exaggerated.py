@@ -59,7 +59,11 @@ def band_weights(
     return contrast * weights / weights.sum()
 
 
-@method(scales=9, source="Exaggerated Shading (Rusinkiewicz et al. 2006), eqs. 3–5")
+@method(
+    scales=9,
+    compared={"exaggeration": 40.0},  # within the 25 … 50 of the paper
+    source="Exaggerated Shading (Rusinkiewicz et al. 2006), eqs. 3–5",
+)
 def exaggerated(
     space: ScaleSpace,
     light: Any,

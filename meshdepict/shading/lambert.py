@@ -14,7 +14,7 @@ from meshdepict.shading.method import Exposure, exposed, method
 __all__ = ["half_lambert", "lambert"]
 
 
-@method(linear=True, source="Lambert, Photometria, 1760")
+@method(linear=True, compared={}, source="Lambert, Photometria, 1760")
 def lambert(space: ScaleSpace, light: Any, *, exposure: Exposure = 1.0) -> NDArray[np.float32]:
     """Shade by max(0, n·l): what every viewer shows, black on the side away from the light.
 

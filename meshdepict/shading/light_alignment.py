@@ -124,7 +124,14 @@ def _frame(
     return c, along_x, along_y, np.linalg.norm(across, axis=-1)
 
 
-@method(scales=5, ratio=1.7, linear=True, source="Local Light Alignment (Mestres et al. 2021)")
+@method(
+    scales=5,
+    ratio=1.7,
+    linear=True,
+    lights="several",
+    compared={},
+    source="Local Light Alignment (Mestres et al. 2021)",
+)
 def light_alignment(
     space: ScaleSpace,
     light: Any,

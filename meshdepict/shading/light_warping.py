@@ -49,7 +49,14 @@ __all__ = ["jacobian", "light_warping", "unwarp", "warp", "warp_scale"]
 Single = NDArray[np.float32]
 
 
-@method(scales=1, linear=True, source="Light Warping (Vergne et al., SIGGRAPH 2009)")
+@method(
+    scales=1,
+    linear=True,
+    lights="several",
+    needs=("curvature",),
+    compared={"magnitude": 16.62},  # Local Light Alignment, figs. 13 and 14: on a matt material
+    source="Light Warping (Vergne et al., SIGGRAPH 2009)",
+)
 def light_warping(
     space: ScaleSpace,
     light: Any,

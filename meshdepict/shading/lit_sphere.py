@@ -18,7 +18,7 @@ from meshdepict.shading.painted import SPHERES, painted, sphere_picture
 __all__ = ["lit_sphere"]
 
 
-@method(source="The Lit Sphere (Sloan et al., Graphics Interface 2001)")
+@method(lights="none", source="The Lit Sphere (Sloan et al., Graphics Interface 2001)")
 def lit_sphere(
     space: ScaleSpace,
     light: Any,

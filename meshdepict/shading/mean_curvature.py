@@ -26,7 +26,12 @@ __all__ = ["mean_curvature"]
 _STRONGER = 4.0
 
 
-@method(scales=1, source="Kindlmann et al., IEEE Visualization 2003")
+@method(
+    scales=1,
+    lights="none",
+    needs=("curvature",),
+    source="Kindlmann et al., IEEE Visualization 2003",
+)
 def mean_curvature(
     space: ScaleSpace,
     light: Any,

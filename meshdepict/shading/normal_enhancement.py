@@ -23,7 +23,7 @@ def enhanced_normals(normals: ArrayLike, smoothed: ArrayLike, amount: float) -> 
     return np.where(length > 0, away / np.where(length > 0, length, 1), n)
 
 
-@method(scales=5, linear=True, source="Normal enhancement (Cignoni et al. 2005)")
+@method(scales=5, linear=True, compared={}, source="Normal enhancement (Cignoni et al. 2005)")
 def normal_enhancement(
     space: ScaleSpace,
     light: Any,

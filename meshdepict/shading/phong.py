@@ -19,7 +19,11 @@ from meshdepict.shading.method import Exposure, exposed, method
 __all__ = ["phong"]
 
 
-@method(linear=True, source="Phong, Illumination for Computer Generated Pictures, 1975")
+@method(
+    linear=True,
+    lights="several",
+    source="Phong, Illumination for Computer Generated Pictures, 1975",
+)
 def phong(
     space: ScaleSpace,
     light: Any,

@@ -87,7 +87,14 @@ def scaling(
     return (low * e + high) / (low + high * e)
 
 
-@method(scales=1, linear=True, source="Radiance Scaling (Vergne et al. 2011)")
+@method(
+    scales=1,
+    linear=True,
+    lights="several",
+    needs=("curvature",),
+    compared={"material": "lambert", "magnitude": 4.0},  # as Local Light Alignment, figs. 13 and 14
+    source="Radiance Scaling (Vergne et al. 2011)",
+)
 def radiance_scaling(
     space: ScaleSpace,
     light: Any,

@@ -20,7 +20,7 @@ Bins = Annotated[int, Range(1, 256, help="number of tones", soft=(2, 16))]
 Sharpness = Annotated[float, Range(1e-3, 1e3, help="φ: how narrow steps are", soft=(3, 14))]
 
 
-@method(source="Winnemöller, Olsen and Gooch, Real-Time Video Abstraction, 2006")
+@method(lights="several", source="Winnemöller, Olsen and Gooch, Real-Time Video Abstraction, 2006")
 def toon(
     space: ScaleSpace,
     light: Any,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
@@ -51,7 +51,7 @@ class LiveShading(LiveLook):
     ----------
     space : ScaleSpace
         Of a mesh.
-    method : str
+    method : str or function
     options : mapping, optional
         The method's own.
     light : light, or several
@@ -75,7 +75,7 @@ class LiveShading(LiveLook):
     def __init__(
         self,
         space: ScaleSpace,
-        method: str,
+        method: str | Callable[..., Any],
         *,
         options: Mapping[str, Any] | None = None,
         light: Any = "northwest",

@@ -46,7 +46,7 @@ class LiveLook:
 
     actor: Any
 
-    def __init__(self, space: ScaleSpace, method: str, light: Any, view: View | str) -> None:
+    def __init__(self, space: ScaleSpace, method: Any, light: Any, view: View | str) -> None:
         self._method, self._space = live_method(method), space
         self._options: dict[str, Any] = {
             name: option.default for name, option in options_of(self._method.function).items()
@@ -119,9 +119,14 @@ def live_methods() -> tuple[str, ...]:
     return tuple(_METHODS)
 
 
-def live_method(name: Any) -> LiveMethod:
-    """Return a method that can be live; raise `MeshdepictError` for others."""
-    if not isinstance(name, str) or name not in _METHODS:
+def live_method(method: Any) -> LiveMethod:
+    """Return a method that can be live, by name or function; raise `MeshdepictError` for others."""
+    name = getattr(method, "__name__", method)
+    if (
+        not isinstance(name, str)
+        or name not in _METHODS
+        or (callable(method) and method is not _METHODS[name].function)
+    ):
         raise MeshdepictError(
             f"{name!r} can't be shown live{nearest(str(name), _METHODS)} (these can: "
             f"{', '.join(_METHODS)}); bake it instead"

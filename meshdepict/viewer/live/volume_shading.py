@@ -9,7 +9,7 @@ are shaded, and their colours are interpolated, as the card does with baked ones
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
@@ -86,7 +86,7 @@ class LiveVolume(LiveLook):
     ----------
     space : GridSpace
         With a transfer function.
-    method : str
+    method : str or function
     options : mapping, optional
         The method's own.
     light : light, or several
@@ -109,7 +109,7 @@ class LiveVolume(LiveLook):
     def __init__(
         self,
         space: GridSpace,
-        method: str,
+        method: str | Callable[..., Any],
         *,
         options: Mapping[str, Any] | None = None,
         light: Any = "northwest",

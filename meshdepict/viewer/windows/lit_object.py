@@ -215,19 +215,18 @@ class LitObject:
             return None
         if self._live is not None and not fresh:
             return self._live
-        from meshdepict.shading.registry import find_method
         from meshdepict.viewer.live.live_shading import LiveShading
 
         session = self._session
-        options = {name: o.default for name, o in options_of(find_method(session.method)).items()}
+        options = {name: o.default for name, o in options_of(session.function).items()}
         options |= session.options
-        anew = self._live is None or self._tried != session.method
+        anew = self._live is None or self._tried is not session.function
         try:
             if anew:
                 self._drop_live()
-                self._tried = session.method
+                self._tried = session.function
                 self._live = LiveShading(
-                    session.space, session.method, options=options, light=session.light,
+                    session.space, session.function, options=options, light=session.light,
                     view=session.view, colormap=session.colormap,
                 )  # fmt: skip
                 self._live.check()

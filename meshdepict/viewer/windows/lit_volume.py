@@ -8,7 +8,6 @@ from meshdepict.drawing.shader import caught_errors
 from meshdepict.drawing.volume_scene import add_baked, add_plain, add_rgba, repaint
 from meshdepict.errors import MeshdepictError
 from meshdepict.options import options_of
-from meshdepict.shading.registry import find_method
 from meshdepict.viewer.live.volume_shading import LiveVolume
 from meshdepict.viewer.windows.lit_object import NO_CARD
 from meshdepict.viewer.windows.volume_session import VolumeSession
@@ -119,15 +118,15 @@ class LitVolume:
     def _show_live(self) -> bool:
         """Have the card shade; return whether it can."""
         session = self._session
-        key = ("live", session.transfer, session.method)
+        key = ("live", session.transfer, session.function)
         if not self._may_live or key == self._refused:
             return False
-        options = {name: o.default for name, o in options_of(find_method(session.method)).items()}
+        options = {name: o.default for name, o in options_of(session.function).items()}
         options |= session.options
         try:
             if key != self._shown_for or self._live is None:
                 made = LiveVolume(
-                    session.space, session.method, options=options, light=session.light,
+                    session.space, session.function, options=options, light=session.light,
                     view=session.view,
                 )  # fmt: skip
                 made.check()

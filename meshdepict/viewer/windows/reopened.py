@@ -42,6 +42,6 @@ def session_of(baked: Baked) -> Session:
         "tolerance": space.tolerance,
     }  # fmt: skip
     again = look.replace(view=baked.view, **made)
-    session = Session(baked.shape, again.method, **again.words())
+    session = Session(baked.shape, again.function, **again.words())
     session.adopt(space, baked)
     return session
