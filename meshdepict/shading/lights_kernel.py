@@ -10,11 +10,10 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from meshdepict.shading.features import Frames, Scaling
-from meshdepict.threads import each, spans, thread_count
+from meshdepict.threads import each, kernel, spans, thread_count
 
 __all__ = ["KINDS", "sum_lights"]
 
@@ -29,10 +28,6 @@ _GRAZING = np.float32(1e-4)  # material.GRAZING
 _MOST = np.float32(60)  # radiance_scaling: e^60 is a float32 that may still be multiplied
 _SIXTH = np.float32(1 / 6)
 _VANISHED = np.float32(20)  # powers below e^−20 are left out: a millionth of a grey level
-_COMPILED = {
-    "nogil": True, "cache": True, "fastmath": {"contract", "reassoc", "arcp", "nsz"},
-    "error_model": "numpy",
-}  # fmt: skip
 
 
 def sum_lights(
@@ -90,7 +85,7 @@ def sum_lights(
     return out
 
 
-@njit(**_COMPILED)
+@kernel("reordered")
 def _sum(  # type: ignore[no-untyped-def]
     normals, eyes, lights, colors, kind, parameters, ku, kv, u, v, z, numbers, environment, out,
     begin, end,
@@ -161,7 +156,7 @@ def _sum(  # type: ignore[no-untyped-def]
             out[i, c] = total
 
 
-@njit(inline="always", **_COMPILED)
+@kernel("reordered", inline=True)
 def _turned(turn, x, y, z):  # type: ignore[no-untyped-def]
     return (
         turn[0, 0] * x + turn[0, 1] * y + turn[0, 2] * z,
@@ -170,7 +165,7 @@ def _turned(turn, x, y, z):  # type: ignore[no-untyped-def]
     )
 
 
-@njit(**_COMPILED)
+@kernel("reordered")
 def _lights_at(world, turn, local):  # type: ignore[no-untyped-def]
     for a in range(3):
         x, y, z = turn[a, 0], turn[a, 1], turn[a, 2]
@@ -178,14 +173,14 @@ def _lights_at(world, turn, local):  # type: ignore[no-untyped-def]
             local[a, k] = x * world[0, k] + y * world[1, k] + z * world[2, k]
 
 
-@njit(**_COMPILED)
+@kernel("reordered")
 def _scale(product):  # type: ignore[no-untyped-def]
     """Return `light_warping.warp_scale`."""
     tangent = np.float32(math.tan(math.atan(product) * _SIXTH))
     return (_ONE + tangent) / (_ONE - tangent)
 
 
-@njit(**_COMPILED)
+@kernel("reordered")
 def _unwarp(world, turn, scale_u, scale_v, nx, ny, nz, local, weight):  # type: ignore[no-untyped-def]
     """Write W⁻¹(l') and J, zero unless both directions lie in the hemisphere of n (eq. 2)."""
     a, b = _ONE / scale_u, _ONE / scale_v
@@ -210,7 +205,7 @@ def _unwarp(world, turn, scale_u, scale_v, nx, ny, nz, local, weight):  # type: 
         weight[k] = jacobian if min(before, after) > _ZERO else _ZERO
 
 
-@njit(**_COMPILED)
+@kernel("reordered")
 def _look_up(environment, local, turn, scale_u, scale_v, nx, ny, nz, weight, colors, radiance):  # type: ignore[no-untyped-def]
     """Write L(W(l)), zero unless both directions lie in the hemisphere of n (eq. 1)."""
     height, width, channels = environment.shape
@@ -239,12 +234,12 @@ def _look_up(environment, local, turn, scale_u, scale_v, nx, ny, nz, weight, col
             radiance[k, c] = colors[k, c] * ((_ONE - fr) * top + fr * base)
 
 
-@njit(**_COMPILED)
+@kernel("reordered")
 def _fifth(x):  # type: ignore[no-untyped-def]
     return x * x * (x * x) * x
 
 
-@njit(**_COMPILED)
+@kernel("reordered")
 def _diffuse(kind, parameters, cosine, ne, term, delta):  # type: ignore[no-untyped-def]
     """Write `material.diffuse_term` and its reflectance mapping δ."""
     share, reflectance, power = parameters[0], parameters[1], parameters[2]
@@ -273,7 +268,7 @@ def _diffuse(kind, parameters, cosine, ne, term, delta):  # type: ignore[no-unty
             term[k] = share * delta[k]
 
 
-@njit(**_COMPILED)
+@kernel("reordered")
 def _specular(kind, parameters, local, cosine, nx, ny, nz, ex, ey, ez, ne, term, delta):  # type: ignore[no-untyped-def]
     """Write `material.specular_term` and its reflectance mapping δ."""
     reflectance, power = parameters[1], parameters[2]
@@ -310,7 +305,7 @@ def _specular(kind, parameters, local, cosine, nx, ny, nz, ex, ey, ez, ne, term,
             term[k] = lobe * mirror * nl / (eh * max(nl, seen))
 
 
-@njit(**_COMPILED)
+@kernel("reordered")
 def _factors(magnitude, alpha, convexity, mean, slant, local, term, delta, factor):  # type: ignore[no-untyped-def]
     """Write `radiance_scaling.scaling` for κ(l), which is one number where isotropic."""
     beta = _ONE - alpha
@@ -329,7 +324,7 @@ def _factors(magnitude, alpha, convexity, mean, slant, local, term, delta, facto
             factor[k] = (low * e + high) / (low + high * e)
 
 
-@njit(**_COMPILED)
+@kernel("reordered")
 def _faded(magnitude, convexity):  # type: ignore[no-untyped-def]
     """Return E = e^−γκ."""
     return np.float32(math.exp(max(-_MOST, min(_MOST, -magnitude * convexity))))
