@@ -67,7 +67,7 @@ def direct(
     if len(lights) <= _FEW and not scaled:
         return _few(space, lights, eyes, material, frames if warping else None, warping)
 
-    from meshdepict.shading.lights_kernel import sum_lights
+    from meshdepict.shading.many_lights_kernel import sum_lights
 
     directions = np.array([light.direction for light in lights], np.float32)
     return squeezed(

@@ -237,7 +237,7 @@ def _terms(
     transmitted_strength: NDArray[Any],
 ) -> list[Term]:
     """Return the terms that there are, each from a light to (n,), with guides of its own."""
-    from meshdepict.shading.light_kernel import align_chain
+    from meshdepict.shading.alignment_kernel import align_chain
 
     normals, finest = space._planes, space._planes[0]
 

@@ -181,7 +181,7 @@ def _integral(
     count: int,
 ) -> Single:
     """Return eq. 1 over evenly spread directions."""
-    from meshdepict.shading.lights_kernel import sum_lights
+    from meshdepict.shading.many_lights_kernel import sum_lights
 
     # Radiance averaged over about as much as one direction stands for.
     spacing = math.sqrt(4 * math.pi / count)
