@@ -20,8 +20,7 @@ __all__ = ["Rounding", "each", "kernel", "limit", "spans", "thread_count"]
 
 Rounding = Literal["as written", "contracted", "reordered", "free"]
 
-# What a compiler may do to sums and products: LLVM's flags, as numba takes them. Compiled code is
-# kept beside each kernel's file until that file changes: who changes these, empties __pycache__.
+# What a compiler may do to sums and products: LLVM's flags, as numba takes them.
 _FLAGS: dict[Rounding, set[str] | bool] = {
     "as written": False,
     "contracted": {"contract"},  # a·b + c is rounded once where the processor can
@@ -84,6 +83,9 @@ def kernel(
     rounding: Rounding = "as written", *, inline: bool = False
 ) -> Callable[[Callable[..., Any]], Any]:
     """Compile a function by numba, to be run by several threads at once, and keep it on disk.
+
+    It is compiled anew when its own file has changed. Whoever changes a kernel that another file's
+    kernels call, or what is said here, empties their ``__pycache__``.
 
     Parameters
     ----------
