@@ -27,17 +27,8 @@ def ambient_occlusion(
 
     Parameters
     ----------
-    space : ScaleSpace
-    light : object
-        Not used.
     rays : int
         At 256 the typical error on a scan is about one grey level.
-    exposure : float
-
-    Returns
-    -------
-    (n,) array of float32
-        Display values in [0, 1].
     """
     del light
     return exposed(space.occlusion(rays), exposure)

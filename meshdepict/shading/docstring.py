@@ -62,7 +62,9 @@ def completed(function: Callable[..., Any], *, lights: str, linear: bool) -> str
         elif given not in entries:
             entries.append(given)
     entries += [entry for entry in said if entry not in entries]
-    returns = titled.pop("Returns", None) or _section("Returns", [_returned(lights, linear)])
+    returns = titled.pop("Returns", None) or _section(
+        "Returns", [_returned(lights=lights, linear=linear)]
+    )
     return "\n\n".join([intro, _section("Parameters", entries), returns, *titled.values()])
 
 
@@ -80,15 +82,16 @@ def _usual(name: str, lights: str, option: Option | None) -> str:
     else:
         number = option.kind.__name__
         kind = {1: number, 0: f"{number} or several"}.get(option.count, f"{option.count} {number}s")
-    help_ = textwrap.indent(textwrap.fill(option.help, 94), "    ")
+    said = option.help
+    if said[:2].isascii() and said[:2].isalpha():  # a word, and no formula
+        said = said[0].upper() + said[1:]
+    help_ = textwrap.indent(textwrap.fill(f"{said}.", 94), "    ")
     return f"{name} : {kind}{', optional' * (option.default is None)}\n{help_}".rstrip()
 
 
-def _returned(lights: str, linear: bool) -> str:  # noqa: FBT001 (of `completed`)
-    colored = ", (n, 3) where a light is coloured" if lights == "several" else ""
-    return (
-        f"(n,) array of float32{colored}\n    {'Linear' if linear else 'Display'} values in [0, 1]."
-    )
+def _returned(*, lights: str, linear: bool) -> str:
+    array = "(n,) array of float32" + ", (n, 3) where a light is coloured" * (lights == "several")
+    return f"{array}\n    {'Linear' if linear else 'Display'} values in [0, 1]."
 
 
 def _sections(text: str) -> Iterator[str]:

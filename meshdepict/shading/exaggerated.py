@@ -118,12 +118,6 @@ def exaggerated(
         multiplied by exp(−½ (d/ρ_i)²), ρ_i = radius·2^{i/2}. The base coat stays.
     radius : float, optional
         In world units; a tenth of the shape's diagonal unless given.
-    exposure : float
-
-    Returns
-    -------
-    (n,) array of float32
-        Display values in [0, 1].
 
     Raises
     ------

@@ -53,13 +53,9 @@ def mean_curvature(
     ----------
     space : ScaleSpace
         With at least one scale, unless ``scale=0``.
-    light : any
-        Not looked at.
-    view, curvature, scale
-        As in `radiance_scaling`.
     gain : float, optional
-        As there, but four times that by default: this shading has a quarter of its range.
-    exposure : float
+        As in `radiance_scaling`, but four times that by default: this shading has a quarter of
+        its range.
 
     Returns
     -------

@@ -39,15 +39,8 @@ def normal_enhancement(
     ----------
     space : ScaleSpace
         With at least one scale; the coarsest normals are the smoothed ones.
-    light : str, (3,) array_like, (azimuth, elevation) or Light
     amount : float
         k of normalise(n + k (n − n_σ)).
-    exposure : float
-
-    Returns
-    -------
-    (n,) array of float32
-        Linear values in [0, 1].
 
     Raises
     ------

@@ -39,12 +39,8 @@ def sky_view(
 
     Parameters
     ----------
-    space : ScaleSpace
     light : str, (3,) array_like, (azimuth, elevation) or Light
         The middle of the sky.
-    spread : float
-    rays : int
-    exposure : float
 
     Returns
     -------

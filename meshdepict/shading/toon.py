@@ -29,22 +29,7 @@ def toon(
     sharpness: Sharpness = 6.0,
     exposure: Exposure = 1.0,
 ) -> NDArray[np.float32]:
-    """Shade by n·l in soft steps.
-
-    Parameters
-    ----------
-    space : ScaleSpace
-    light : light, or several
-        As in `meshdepict.scene.view.as_lights`.
-    bins : int
-    sharpness : float
-    exposure : float
-
-    Returns
-    -------
-    (n,) array, (n, 3) where a light is coloured
-        Display values in [0, 1].
-    """
+    """Shade by n·l in soft steps."""
     no_eye = np.array([[0], [0], [1]], np.float32)  # the material does not look at it
     shaded = direct(space, as_lights(light), no_eye, Lambert())
     return exposed(soft_steps(shaded, bins=bins, sharpness=sharpness), exposure)

@@ -49,16 +49,11 @@ def view_curvature(
     ----------
     space : ScaleSpace
         With at least one scale, unless ``scale=0``.
-    light : any
-        Not looked at.
-    view : View or str
-    scale : int
     gain : float
         Colours are those of tanh(gain·mean). The default, 20, was chosen by eye on the bunny and
         the armadillo, in pictures 1000 pixels high.
     foreshortening : float
         0.4 in Radiance Scaling's shader.
-    exposure : float
 
     Returns
     -------

@@ -166,7 +166,7 @@ def test_its_docstring_is_completed():
         space : ScaleSpace
         light : str, (3,) array_like, (azimuth, elevation) or Light
         count : int
-            count
+            Count.
         blur : float
             How soft the stripes are.
         view : View or str
