@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from meshdepict.scene.environment import Environment
     from meshdepict.scene.light import Light
     from meshdepict.scene.view import View
+    from meshdepict.shading.method import method
     from meshdepict.shapes import samples
     from meshdepict.shapes.gbuffer import GBuffer
     from meshdepict.shapes.mesh import Mesh
@@ -52,6 +53,7 @@ __all__ = [
     "congruence",
     "curvature",
     "load_recipe",
+    "method",
     "read",
     "read_mesh",
     "read_volume",
@@ -77,6 +79,7 @@ _HOME = {
     "bake_volume": "baking.look",
     "compare": "congruence.comparison",
     "load_recipe": "baking.recipe",
+    "method": "shading.method",
     "read": "io",
     "read_mesh": "io",
     "read_volume": "io.volumes",

@@ -63,12 +63,13 @@ class Depict:
             f"{', '.join(METHODS)})"
         )
 
-    def __call__(self, method: str = "exaggerated", **settings: Any) -> Any:
+    def __call__(self, method: str | Callable[..., Any] = "exaggerated", **settings: Any) -> Any:
         """Shade by a method of `shading.METHODS`; keywords as for `bake`.
 
         Parameters
         ----------
-        method : str
+        method : str or function
+            As for `bake`.
         **settings
             Of `bake`, and the method's own; for an ``ImageData`` also ``scalars``, the name of the
             heights.
@@ -88,7 +89,7 @@ class Depict:
         scalars = None if kind == "mesh" else settings.pop("scalars", None)
         if kind == "volume":
             return self._shade_volume(method, scalars, settings)
-        check(function, {k: v for k, v in settings.items() if k not in _BAKE}, method)
+        check(function, {k: v for k, v in settings.items() if k not in _BAKE}, function.__name__)
         # The file's own colours may change where the geometry doesn't: no memory of those.
         fresh = settings.get("albedo") == "keep" and kind == "mesh"
         surface = self._kept(scalars) if not fresh else _surface_of(dataset, None)
@@ -98,7 +99,9 @@ class Depict:
         result.depict._surface = surface.of(result)
         return result
 
-    def _shade_volume(self, method: str, scalars: str | None, settings: dict[str, Any]) -> Any:
+    def _shade_volume(
+        self, method: str | Callable[..., Any], scalars: str | None, settings: dict[str, Any]
+    ) -> Any:
         """Return the image with the voxels' colours and opacities, "RGBA"."""
         from meshdepict.baking.look import bake_volume
 

@@ -6,6 +6,7 @@ Shading functions annotate their keyword-only options with these::
                     exaggeration: Annotated[float, Range(0, help="steepness")] = 15):
 
 and the command line, ``meshdepict methods``, the viewer's sliders and the docs read them back.
+A keyword-only option that is plainly an ``int`` or a ``float`` takes any number.
 """
 
 from __future__ import annotations
@@ -95,16 +96,39 @@ class Option:
 
 @functools.cache  # a quarter of a millisecond, and every shading asks
 def options_of(function: Callable[..., Any]) -> Mapping[str, Option]:
-    """Return the parameters of a function that are annotated with what they accept, in order."""
-    hints = typing.get_type_hints(function, include_extras=True)
+    """Return the parameters of a function that are annotated with what they accept, in order.
+
+    Raises
+    ------
+    MeshdepictError
+        For an annotation that names what is not there.
+    """
+    try:
+        hints = typing.get_type_hints(function, include_extras=True)
+    except NameError as error:
+        raise MeshdepictError(
+            f"the annotations of {function.__name__} can't be read: {error} (import it, and not "
+            "under TYPE_CHECKING alone)"
+        ) from None
     found = {}
     for name, parameter in inspect.signature(function).parameters.items():
         hint = hints.get(name)
+        plain = _plain_kind(hint) if parameter.kind is parameter.KEYWORD_ONLY else None
+        if plain is not None:
+            any_number = Range(help=name.replace("_", " "))
+            found[name] = Option(name, plain, parameter.default, any_number)
         for accepts in typing.get_args(hint)[1:]:
             if isinstance(accepts, (Range, Choice)):
                 kind, count = _kind_and_count(typing.get_args(hint)[0])
                 found[name] = Option(name, kind, parameter.default, accepts, count)
     return types.MappingProxyType(found)
+
+
+def _plain_kind(hint: Any) -> type | None:
+    """Return what an annotation is that is ``int`` or ``float`` and no more, but for None."""
+    union = typing.get_origin(hint) in (typing.Union, types.UnionType)
+    kind, *rest = typing.get_args(hint) if union else (hint,)
+    return kind if kind in (int, float) and rest in ([], [type(None)]) else None
 
 
 def _kind_and_count(hint: Any) -> tuple[type, int]:

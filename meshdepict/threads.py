@@ -1,4 +1,4 @@
-"""Threads: how many, and a parallel map with progress.
+"""Threads: how many, a parallel map with progress, and how kernels for them are compiled.
 
 Kernels are compiled to release the interpreter's lock and are run by ordinary Python threads.
 That needs no threading layer of numba's, so it is safe from several threads at once, after a
@@ -11,12 +11,22 @@ import os
 from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import FIRST_COMPLETED, ThreadPoolExecutor, wait
 from itertools import pairwise
-from typing import Any
+from typing import Any, Literal
 
 from meshdepict.errors import MeshdepictError
 from meshdepict.options import real
 
-__all__ = ["each", "limit", "spans", "thread_count"]
+__all__ = ["Rounding", "each", "kernel", "limit", "spans", "thread_count"]
+
+Rounding = Literal["as written", "contracted", "reordered", "free"]
+
+# What a compiler may do to sums and products: LLVM's flags, as numba takes them.
+_FLAGS: dict[Rounding, set[str] | bool] = {
+    "as written": False,
+    "contracted": {"contract"},  # a·b + c is rounded once where the processor can
+    "reordered": {"contract", "reassoc", "arcp", "nsz"},  # sums in any order; NaN and ∞ stay
+    "free": True,  # the same, where NaN and ∞ can't occur
+}
 
 _limit: int | None = None
 
@@ -67,6 +77,30 @@ def each(
         except BaseException:
             pool.shutdown(wait=False, cancel_futures=True)
             raise
+
+
+def kernel(
+    rounding: Rounding = "as written", *, inline: bool = False
+) -> Callable[[Callable[..., Any]], Any]:
+    """Compile a function by numba, to be run by several threads at once, and keep it on disk.
+
+    It is compiled anew when its own file has changed. Whoever changes a kernel that another file's
+    kernels call, or what is said here, empties their ``__pycache__``.
+
+    Parameters
+    ----------
+    rounding : {"as written", "contracted", "reordered", "free"}
+        What may be done to its sums and products, so that they are quicker.
+    inline : bool
+        Whether its text becomes part of the kernels that call it.
+    """
+    from numba import njit
+
+    compiled: Callable[[Callable[..., Any]], Any] = njit(
+        nogil=True, cache=True, error_model="numpy", fastmath=_FLAGS[rounding],
+        inline="always" if inline else "never",
+    )  # fmt: skip
+    return compiled
 
 
 def spans(count: int, pieces: int) -> list[tuple[int, int]]:

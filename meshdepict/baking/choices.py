@@ -12,7 +12,7 @@ import inspect
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from numbers import Real
-from typing import TYPE_CHECKING, Any, Literal, Self
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self
 
 from meshdepict import color
 from meshdepict.color import colormaps2d
@@ -45,8 +45,9 @@ class Choices:
 
     Parameters
     ----------
-    method : str
-        A name of `shading.METHODS`.
+    method : str or function
+        A name of `shading.METHODS`, or a function made by the decorator `meshdepict.method`; the
+        attribute `method` is its name, `function` the function.
     light : str, (3,) array_like, (azimuth, elevation) or Light
         For some methods also a sequence of these, or an Environment or its file (.hdr).
         Names and angles refer to the view.
@@ -141,16 +142,18 @@ class Choices:
         only=MESH,
     )
     options: Mapping[str, Any] = field(default_factory=dict)
+    function: ClassVar[Callable[..., Any]]  # no choice of its own: it follows from the method
 
-    def __init__(self, method: str = "exaggerated", **chosen: Any) -> None:
+    def __init__(self, method: str | Callable[..., Any] = "exaggerated", **chosen: Any) -> None:
         from meshdepict.shading.registry import find_method
 
         function = find_method(method)
         known = choice_fields()
         for name, each in known.items():
             object.__setattr__(self, name, chosen.pop(name, each.default))
-        object.__setattr__(self, "method", method)
-        object.__setattr__(self, "options", check(function, chosen, method))
+        object.__setattr__(self, "method", function.__name__)
+        object.__setattr__(self, "function", function)
+        object.__setattr__(self, "options", check(function, chosen, self.method))
         if self.colormap is not None:
             color.colormap(self.colormap)
             if self.colormap2d is not None:
@@ -172,13 +175,6 @@ class Choices:
         return f"{type(self).__name__}({self.method!r}{words})"
 
     @property
-    def function(self) -> Callable[..., Any]:
-        """The shading function."""
-        from meshdepict.shading.registry import find_method
-
-        return find_method(self.method)
-
-    @property
     def declared(self) -> Declaration:
         """What the method declares."""
         from meshdepict.shading.method import declaration
@@ -188,7 +184,7 @@ class Choices:
     @property
     def sees(self) -> bool:
         """Whether colours depend on where the eye is."""
-        return self.two_sided or "view" in inspect.signature(self.function).parameters
+        return self.two_sided or "view" in self.declared.needs
 
     @property
     def ladder(self) -> tuple[int, float]:
@@ -212,7 +208,7 @@ class Choices:
 
     def shade(self, space: Any, light: Any, view: View) -> Any:
         """Return what the method makes of a scale space's samples under a light."""
-        needed = {"view": view} if "view" in inspect.signature(self.function).parameters else {}
+        needed = {"view": view} if "view" in self.declared.needs else {}
         if self.two_sided:
             from meshdepict.scales.seen_side import SeenSide
 
@@ -230,9 +226,11 @@ class Choices:
 
     def replace(self, **changes: Any) -> Self:
         """Return other choices: with changes, and of another method without this one's options."""
-        method = changes.pop("method", self.method)
+        from meshdepict.shading.registry import find_method
+
+        method = find_method(changes.pop("method", self.function))
         kept = {name: value for name, value in self.words().items() if name not in self.options}
-        options = self.options if method == self.method else {}
+        options = self.options if method is self.function else {}
         return type(self)(method, **{**kept, **options, **changes})
 
     def of_kind(self, kind: str) -> Self:

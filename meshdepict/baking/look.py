@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any, Self
 
@@ -56,7 +57,7 @@ class Look(Choices):
 @takes_choices
 def bake(
     shape: Any,
-    method: str = "exaggerated",
+    method: str | Callable[..., Any] = "exaggerated",
     *,
     progress: Progress | None = None,
     **chosen: Any,
@@ -68,8 +69,8 @@ def bake(
     shape : path, Mesh, GBuffer, ScaleSpace, pyvista.PolyData or trimesh.Trimesh
         A `ScaleSpace` is used as it is: several bakes can share one. What it was made with can't
         be asked for again.
-    method : str
-        A name of `shading.METHODS`.
+    method : str or function
+        A name of `shading.METHODS`, or a function made by the decorator `meshdepict.method`.
     progress : callable, optional
         ``progress(done, total)``.
     **chosen
@@ -90,7 +91,7 @@ def bake(
 @takes_choices
 def bake_volume(
     volume: Any,
-    method: str = "exaggerated",
+    method: str | Callable[..., Any] = "exaggerated",
     *,
     memory: float = MEMORY,
     progress: Progress | None = None,
@@ -102,8 +103,8 @@ def bake_volume(
     ----------
     volume : path, Volume or GridSpace
         A `GridSpace` is used as it is: a new light or method takes a moment.
-    method : str
-        A name of `shading.METHODS`. Those that cast rays need a surface, and say so.
+    method : str or function
+        As for `bake`. Those that cast rays need a surface, and say so.
     memory : float
         Bytes that normals may take. Where they would take more, the volume is shaded slab by slab,
         and every new light starts from the beginning.

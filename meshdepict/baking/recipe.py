@@ -60,7 +60,13 @@ def load_recipe(path: str | os.PathLike[str]) -> dict[str, Any]:
     if not isinstance(options, Mapping):
         raise MeshdepictError(f"{path}: options must be a table, [options]")
     method = read.setdefault("method", choice_fields()["method"].default)
-    function = find_method(method)
+    try:
+        function = find_method(method)
+    except MeshdepictError as error:
+        raise MeshdepictError(
+            f"{path}: {error}; one of your own is known by its name once a package offers it as an "
+            "entry point of meshdepict.methods"
+        ) from None
     options = check(function, options, f"{path}: {method}")
     if isinstance(read.get("view"), Mapping):
         read["view"] = _view(path, read["view"])

@@ -89,13 +89,12 @@ def compare(
         check_target(path, force=force)
     pixels = Figure(size=size).pixels
     assert pixels is not None  # as a size was given
-    methods = tuple(method or comparison.METHODS)
     given = _options(options or [])
     lights = None if light is None else [parameters.as_light(text) for text in light]
     with notes(source, quiet=quiet), progress_bar(name, quiet=quiet) as progress:
         mesh = samples.golf_ball() if source is None else read_mesh(source, winding=winding)
         found = comparison.compare(
-            mesh, methods, lights=lights, size=pixels, options=given,
+            mesh, method or None, lights=lights, size=pixels, options=given,
             per_pixel=per_pixel, progress=progress, **look.said,
         )  # fmt: skip
         comparison_report.save_sheet(found, output)

@@ -80,7 +80,7 @@ def movie(
     if not os.path.exists(source):
         raise MeshdepictError(f"{source}: there is no such file")
     with notes(source, quiet=quiet), progress_bar(source.name, quiet=quiet) as progress:
-        session = Session(source, wanted.method, progress=progress, **wanted.words())
+        session = Session(source, wanted.function, progress=progress, **wanted.words())
         save_movie(session, output, progress=progress, **motion)
     taken = time.perf_counter() - start
     print(  # noqa: T201

@@ -30,7 +30,7 @@ def methods() -> str:
 def method(name: str) -> str:
     """Return what there is to know about one method: its paper, its scales, its options."""
     from meshdepict.options import as_text, options_of
-    from meshdepict.shading.method import declaration
+    from meshdepict.shading.method import NEEDS, declaration
     from meshdepict.shading.registry import find_method
 
     function = find_method(name)
@@ -40,6 +40,7 @@ def method(name: str) -> str:
         scales = f"{declared.scales} scales, each {declared.ratio:.4g} times as wide as the last"
     values = "linear light, encoded as sRGB" if declared.linear else "display values, as they are"
     facts = [("paper", declared.source), ("uses", scales), ("values", values)]
+    facts += [("needs", f"{need}: {NEEDS[need]}") for need in NEEDS if need in declared.needs]
     options = [("--set", "default", "range", "")]
     for option in options_of(function).values():
         default = "none" if option.default is None else as_text(option.default)

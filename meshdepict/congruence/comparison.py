@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -22,26 +22,15 @@ from meshdepict.scene.light import Light
 from meshdepict.scene.names import as_light
 from meshdepict.scene.view import View
 from meshdepict.shading.method import declaration
-from meshdepict.shading.registry import find_method
+from meshdepict.shading.registry import METHODS, find_method
 from meshdepict.shapes.gbuffer import GBuffer
 
 if TYPE_CHECKING:
     from meshdepict.shapes.mesh import Mesh
 
-__all__ = ["METHODS", "Comparison", "compare", "light_name", "options_text"]
+__all__ = ["Comparison", "compare", "light_name", "options_text", "usual_methods"]
 
-METHODS = (
-    "lambert", "light_warping", "radiance_scaling", "normal_enhancement", "exaggerated",
-    "light_alignment",
-)  # fmt: skip
-"""What is compared unless said otherwise: plain shading, then what the papers compare."""
-
-# As in the comparison of LLA, figs. 13 and 14: all of matt material, so that they can be compared.
-_PUBLISHED: dict[str, dict[str, Any]] = {
-    "exaggerated": {"exaggeration": 40.0},  # within the 25 … 50 of ES
-    "light_warping": {"magnitude": 16.62},
-    "radiance_scaling": {"material": "lambert", "magnitude": 4.0},
-}
+Shading = Callable[..., Any]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -98,7 +87,7 @@ class Comparison:
 
 def compare(
     shape: Any,
-    methods: Sequence[str] = METHODS,
+    methods: Sequence[str | Shading] | None = None,
     *,
     lights: Sequence[Any] | None = None,
     view: str | View = "front",
@@ -122,7 +111,8 @@ def compare(
     Parameters
     ----------
     shape : path, Mesh, pyvista.PolyData or trimesh.Trimesh
-    methods : sequence of str
+    methods : sequence of str or function, optional
+        As for `bake`; `usual_methods` unless given.
     lights : sequence, optional
         The 21 lights of Local Light Alignment, §7, unless given.
     view, up
@@ -130,9 +120,9 @@ def compare(
     size : (width, height)
         Of every picture, in pixels; scores depend on it.
     options : mapping, optional
-        Options of methods: ``{"exaggerated": {"exaggeration": 30}}``. Unless given, Light Warping
-        and Radiance Scaling have those of Local Light Alignment's comparison, on a matt material,
-        and Exaggerated Shading that of its own paper's examples.
+        Options of methods: ``{"exaggerated": {"exaggeration": 30}}``. Unless given, those that a
+        method declares as `compared`: of Local Light Alignment's comparison, on a matt material,
+        and for Exaggerated Shading of its own paper's examples.
     per_pixel : bool
         Shade pixels, as the papers do, instead of vertices.
     scales, width, ratio, facing, tolerance
@@ -151,10 +141,8 @@ def compare(
         For anything unknown or out of range, no method, no light, a view that misses the shape.
     """
     start = time.perf_counter()
-    methods = tuple(dict.fromkeys(methods))
-    if not methods:
-        raise MeshdepictError("compare needs at least one method")
-    chosen = _options(methods, options or {})
+    functions = _by_name(usual_methods() if methods is None else methods)
+    chosen = _options(functions, options or {})
     mesh = as_mesh(shape)
     eye = view if isinstance(view, View) else _fitted(view, mesh, up, size)
     buffer = GBuffer.of(mesh, eye, size=size)
@@ -162,26 +150,26 @@ def compare(
     lamps = tuple(light_directions(eye) if lights is None else (as_light(x, eye) for x in lights))
     if not lamps:
         raise MeshdepictError("compare needs at least one light")
-    steps = len(methods) * len(lamps)
+    steps = len(functions) * len(lamps)
     smoothing: dict[str, Any] = {
         "scales": scales, "width": width, "ratio": ratio, "facing": facing, "tolerance": tolerance,
     }  # fmt: skip
     half = (lambda done, total: progress(done / total * steps, 2 * steps)) if progress else None
     space = scale_space(buffer if per_pixel else mesh, **smoothing, progress=half)
 
-    def shaded(name: str, lamp: Light, options: Mapping[str, Any]) -> NDArray[Any]:
-        values = Look(name, **options).shade(space, lamp, eye)
+    def shaded(function: Shading, lamp: Light, options: Mapping[str, Any]) -> NDArray[Any]:
+        values = Look(function, **options).shade(space, lamp, eye)
         return values if per_pixel else buffer.sample(values)
 
-    reference = shaded("lambert", Light(eye.towards_eye), {})
+    reference = shaded(METHODS["lambert"], Light(eye.towards_eye), {})
     judge = Judge(buffer.depth, buffer.mask, reference=buffer.image(reference))
-    scores = np.zeros((len(methods), len(lamps)))
+    scores = np.zeros((len(functions), len(lamps)))
     height, width_px = buffer.mask.shape
-    pictures = np.empty((len(methods), len(lamps), height, width_px, 3), np.uint8)
-    for row, (name, given) in enumerate(zip(methods, chosen, strict=True)):
-        linear = declaration(find_method(name)).linear
+    pictures = np.empty((len(functions), len(lamps), height, width_px, 3), np.uint8)
+    for row, (function, given) in enumerate(zip(functions.values(), chosen, strict=True)):
+        linear = declaration(function).linear
         for column, lamp in enumerate(lamps):
-            values = shaded(name, lamp, given)
+            values = shaded(function, lamp, given)
             scores[row, column] = judge.score(buffer.image(values))
             shown = color.encode(values, linear=linear)
             pictures[row, column] = buffer.image(shown, background=background)
@@ -189,14 +177,22 @@ def compare(
                 progress(steps + row * len(lamps) + column + 1, 2 * steps)
     worst = lamps[int(np.argmin(scores[0]))]
     maps = tuple(
-        picture(judge.flows(buffer.image(shaded(name, worst, given))))
-        for name, given in zip(methods, chosen, strict=True)
+        picture(judge.flows(buffer.image(shaded(function, worst, given))))
+        for function, given in zip(functions.values(), chosen, strict=True)
     )
     return Comparison(
-        methods=methods, lights=lamps, scores=scores, pictures=pictures, score_pictures=maps,
-        options=chosen, shape=mesh, view=eye, settings={**smoothing, "per_pixel": per_pixel},
+        methods=tuple(functions), lights=lamps, scores=scores, pictures=pictures,
+        score_pictures=maps, options=chosen, shape=mesh, view=eye,
+        settings={**smoothing, "per_pixel": per_pixel},
         seconds=time.perf_counter() - start,
     )  # fmt: skip
+
+
+def usual_methods() -> tuple[str, ...]:
+    """Return what is compared unless said otherwise: plain shading, then what papers compare."""
+    found = {name: declaration(function) for name, function in METHODS.items()}
+    names = [name for name, declared in found.items() if declared.compared is not None]
+    return tuple(sorted(names, key=lambda name: found[name].scales))
 
 
 def light_name(light: Light) -> str:
@@ -209,21 +205,31 @@ def options_text(options: Mapping[str, Any]) -> str:
     return " ".join(f"{name}={as_text(value)}" for name, value in options.items())
 
 
+def _by_name(methods: Sequence[str | Shading]) -> dict[str, Shading]:
+    """Return shading functions by their names."""
+    found: dict[str, Shading] = {}
+    for function in map(find_method, methods):
+        name = function.__name__
+        if found.setdefault(name, function) is not function:
+            raise MeshdepictError(f"two methods are called {name!r}: compare them one at a time")
+    if not found:
+        raise MeshdepictError("compare needs at least one method")
+    return found
+
+
 def _options(
-    methods: Sequence[str], given: Mapping[str, Mapping[str, Any]]
+    functions: Mapping[str, Shading], given: Mapping[str, Mapping[str, Any]]
 ) -> tuple[dict[str, Any], ...]:
     """Return every method's options, checked."""
     for name in given:
-        if name not in methods:
+        if name not in functions:
             raise MeshdepictError(
-                f"options for {name!r}, which isn't compared (there are {', '.join(methods)})"
+                f"options for {name!r}, which isn't compared (there are {', '.join(functions)})"
             )
     found = []
-    for name in methods:
-        function = find_method(name)
-        known = options_of(function)
-        sees = {"curvature": "view"} if "curvature" in known else {}
-        usual = sees | _PUBLISHED.get(name, {})
+    for name, function in functions.items():
+        sees = {"curvature": "view"} if "curvature" in options_of(function) else {}
+        usual = sees | dict(declaration(function).compared or {})
         found.append(usual | check(function, given.get(name, {}), name))
     return tuple(found)
 

@@ -6,8 +6,9 @@ import math
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import ArrayLike, NDArray
+
+from meshdepict.threads import kernel
 
 __all__ = ["StructureTensor", "reach", "structure_tensor"]
 
@@ -113,7 +114,7 @@ def _filtered(image: Floats, weights: Floats, axis: int, *, odd: bool = False) -
     return result
 
 
-@njit(nogil=True, cache=True)
+@kernel()
 def _correlate(image, weights, down, right, sign, result):  # type: ignore[no-untyped-def]
     far = len(weights) - 1
     height, width = result.shape

@@ -5,11 +5,10 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from meshdepict.curvature.welded import Welded
-from meshdepict.threads import each, spans, thread_count
+from meshdepict.threads import each, kernel, spans, thread_count
 
 if TYPE_CHECKING:
     from meshdepict.shapes.mesh import Mesh
@@ -36,7 +35,7 @@ def neighbour_cosines(mesh: Mesh, normals: NDArray[Any]) -> NDArray[np.float32]:
     return surface.spread(least)
 
 
-@njit(nogil=True, cache=True)
+@kernel()
 def _span(faces, normals, begin, end, least):  # type: ignore[no-untyped-def]
     for f in range(len(faces)):
         for side in range(3):

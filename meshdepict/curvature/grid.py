@@ -11,12 +11,11 @@ import math
 from typing import Any
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from meshdepict.curvature.principal import PrincipalCurvatures
 from meshdepict.curvature.tensor import _principal, tangent
-from meshdepict.threads import each, spans, thread_count
+from meshdepict.threads import each, kernel, spans, thread_count
 from meshdepict.voxels.grid_samples import Samples
 
 __all__ = ["HESSIAN", "grid_neighbour_cosines", "isosurface_curvatures"]
@@ -24,7 +23,6 @@ __all__ = ["HESSIAN", "grid_neighbour_cosines", "isosurface_curvatures"]
 # Orders along z, y, x of xx, yy, zz, xy, xz, yz.
 HESSIAN = ((0, 0, 2), (0, 2, 0), (2, 0, 0), (0, 1, 1), (1, 0, 1), (1, 1, 0))
 
-_COMPILED = {"nogil": True, "cache": True, "error_model": "numpy", "fastmath": {"contract"}}
 
 _SHARPEST = 1.0  # per voxel: a grid shows no ball smaller than its voxels
 
@@ -65,7 +63,7 @@ def isosurface_curvatures(
     return PrincipalCurvatures(*arrays)
 
 
-@njit(**_COMPILED)
+@kernel("contracted")
 def _bend(derivatives, normals, matrix, floor, begin, end, k, d):  # type: ignore[no-untyped-def]
     sums, frame = np.empty(4), np.empty((2, 3))
     for i in range(begin, end):
@@ -119,7 +117,7 @@ def grid_neighbour_cosines(samples: Samples, normals: NDArray[Any]) -> NDArray[n
     return least
 
 
-@njit(**_COMPILED)
+@kernel("contracted")
 def _least(rows, columns, normals, least, begin, end):  # type: ignore[no-untyped-def]
     ny = rows.shape[1] - 1
     for z in range(begin, end):
@@ -140,7 +138,7 @@ def _least(rows, columns, normals, least, begin, end):  # type: ignore[no-untype
                             least[i] = min(least[i], _cosine(normals, i, j))
 
 
-@njit(**_COMPILED)
+@kernel("contracted")
 def _cosine(normals, i, j):  # type: ignore[no-untyped-def]
     return (
         normals[0, i] * normals[0, j]

@@ -12,20 +12,17 @@ import math
 from typing import Any
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from meshdepict.curvature.tensor import _principal, tangent
 from meshdepict.curvature.view import _STEEPEST
-from meshdepict.threads import each, spans, thread_count
+from meshdepict.threads import each, kernel, spans, thread_count
 
 __all__ = ["largest_steps", "least_cosines", "sobel_hessian", "sobel_principal"]
 
 Floats = NDArray[np.float64]
 Singles = NDArray[np.float32]
 Index = NDArray[np.int32]
-
-_COMPILED: dict[str, Any] = {"nogil": True, "cache": True, "error_model": "numpy"}
 
 
 def largest_steps(index: Index, depth: Floats) -> Floats:
@@ -128,7 +125,7 @@ def _by_rows(index: Index, kernel: Any, *arguments: Any) -> None:
     each(lambda a, b: kernel(index, a + 1, b + 1, *arguments), spans(rows, pieces))
 
 
-@njit(**_COMPILED)
+@kernel()
 def _steps(index, first, last, depth, found):  # type: ignore[no-untyped-def]
     for row in range(first, last):
         for column in range(1, index.shape[1] - 1):
@@ -146,7 +143,7 @@ def _steps(index, first, last, depth, found):  # type: ignore[no-untyped-def]
             found[p] = largest
 
 
-@njit(**_COMPILED)
+@kernel()
 def _cosines(index, first, last, normals, found):  # type: ignore[no-untyped-def]
     for row in range(first, last):
         for column in range(1, index.shape[1] - 1):
@@ -167,7 +164,7 @@ def _cosines(index, first, last, normals, found):  # type: ignore[no-untyped-def
             found[p] = least
 
 
-@njit(**_COMPILED)
+@kernel()
 def _in_frame(normals, q, frame):  # type: ignore[no-untyped-def]
     x, y, z = normals[0, q], normals[1, q], normals[2, q]
     return (
@@ -177,7 +174,7 @@ def _in_frame(normals, q, frame):  # type: ignore[no-untyped-def]
     )
 
 
-@njit(**_COMPILED)
+@kernel()
 def _hessians(index, first, last, normals, depth, frames, steepest, f, found):  # type: ignore[no-untyped-def]
     for row in range(first, last):
         for column in range(1, index.shape[1] - 1):
@@ -208,7 +205,7 @@ def _hessians(index, first, last, normals, depth, frames, steepest, f, found):  
             found[1, p] = (xy * across + yx * along) / 2
 
 
-@njit(**_COMPILED)
+@kernel()
 def _operators(index, first, last, normals, depth, towards, right, up, steepest, k, d):  # type: ignore[no-untyped-def]
     sums = np.empty(4)
     for row in range(first, last):

@@ -16,13 +16,12 @@ import math
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from meshdepict.curvature.frames import tangents
 from meshdepict.curvature.tensor import tangent, tensor_curvatures
 from meshdepict.curvature.welded import Welded
-from meshdepict.threads import each, spans, thread_count
+from meshdepict.threads import each, kernel, spans, thread_count
 
 if TYPE_CHECKING:
     from meshdepict.shapes.mesh import Mesh
@@ -31,7 +30,6 @@ __all__ = ["quadric_curvatures"]
 
 Floats = NDArray[np.float64]
 
-_COMPILED = {"nogil": True, "cache": True, "error_model": "numpy"}
 
 _DEFAULT_EDGES = 5.0  # libigl's default radius, in median edges here
 _UNKNOWNS = 5
@@ -86,7 +84,7 @@ def _fitted(surface: Welded, normals: Floats, radius: float) -> tuple[Floats, Fl
     return k, directions
 
 
-@njit(**_COMPILED)
+@kernel()
 def _span(points, normals, faces, corners, start, radius, begin, end, k, directions):  # type: ignore[no-untyped-def]
     """Fit the vertices [begin, end)."""
     seen = np.full(len(points), -1)
@@ -104,7 +102,7 @@ def _span(points, normals, faces, corners, start, radius, begin, end, k, directi
             _fit(points, normals, v, ball, found, reach / 2, k, directions)
 
 
-@njit(**_COMPILED)
+@kernel()
 def _gather(points, faces, corners, start, v, radius, mark, seen, ball):  # type: ignore[no-untyped-def]
     """List in ``ball`` what is connected to v through vertices within the radius; v comes first."""
     ball[0], found, at = v, 1, 0
@@ -126,7 +124,7 @@ def _gather(points, faces, corners, start, v, radius, mark, seen, ball):  # type
     return found
 
 
-@njit(**_COMPILED)
+@kernel()
 def _fit(points, normals, v, ball, found, radius, k, directions):  # type: ignore[no-untyped-def]
     """Fit a quadric to ball[1 : found] about v; leave k as it is where that fails."""
     nx = ny = nz = 0.0
@@ -158,7 +156,7 @@ def _fit(points, normals, v, ball, found, radius, k, directions):  # type: ignor
     _curvature(m[:, _UNKNOWNS], ux, uy, uz, vx, vy, vz, nx, ny, nz, radius, v, k, directions)
 
 
-@njit(**_COMPILED)
+@kernel()
 def _solve(m):  # type: ignore[no-untyped-def]
     """Solve a symmetric positive system given by its upper triangle and last column, in place."""
     for i in range(_UNKNOWNS):
@@ -177,7 +175,7 @@ def _solve(m):  # type: ignore[no-untyped-def]
     return True
 
 
-@njit(**_COMPILED)
+@kernel()
 def _curvature(quadric, ux, uy, uz, vx, vy, vz, nx, ny, nz, radius, i, k, directions):  # type: ignore[no-untyped-def]
     """Read the curvature, at the vertex, of a quadric over (u, v) with heights along n."""
     a, b, c, d, e = quadric

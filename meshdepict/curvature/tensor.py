@@ -16,15 +16,13 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
-from meshdepict.threads import each, spans, thread_count
+from meshdepict.threads import each, kernel, spans, thread_count
 
 __all__ = ["tangent", "tensor_curvatures"]
 
 # Double precision throughout: on fine meshes Δn is the small difference of large numbers.
-_COMPILED = {"nogil": True, "cache": True, "error_model": "numpy", "fastmath": {"contract"}}
 
 # A triangle this flat (its height as a share of its sides) lies within the rounding of float32
 # coordinates and says nothing across; edges below 1e-20 of the diagonal are one point.
@@ -56,7 +54,7 @@ def tensor_curvatures(
     return k, d
 
 
-@njit(**_COMPILED)
+@kernel("contracted")
 def _span(points, normals, faces, begin, end, k, d):  # type: ignore[no-untyped-def]
     """Fill curvatures and directions of the vertices [begin, end)."""
     sums = np.zeros((end - begin, 4))
@@ -68,14 +66,14 @@ def _span(points, normals, faces, begin, end, k, d):  # type: ignore[no-untyped-
         _principal(normals[i, 0], normals[i, 1], normals[i, 2], sums[i - begin], i, k, d)
 
 
-@njit(**_COMPILED)
+@kernel("contracted")
 def tangent(x, y, z):  # type: ignore[no-untyped-def]
     """Return a unit tangent of a unit normal, as `frames.tangents` does."""
     share = x / (1.0 + abs(z))
     return 1.0 - x * share, -y * share, -math.copysign(1.0, z) * x
 
 
-@njit(**_COMPILED)
+@kernel("contracted")
 def _seen(vectors, a, b, plane):  # type: ignore[no-untyped-def]
     """Return the two coordinates of vectors[b] − vectors[a] in a plane (t, s)."""
     x = vectors[b, 0] - vectors[a, 0]
@@ -85,7 +83,7 @@ def _seen(vectors, a, b, plane):  # type: ignore[no-untyped-def]
     return x * tx + y * ty + z * tz, x * sx + y * sy + z * sz
 
 
-@njit(**_COMPILED)
+@kernel("contracted")
 def _add_face(points, normals, a, b, c, begin, end, sums):  # type: ignore[no-untyped-def]
     """Add a face's shape operator to its corners in [begin, end): uu, uv, vv and weight."""
     # The mean normal m, and the frame (t, s) of the plane seen along it.
@@ -143,7 +141,7 @@ def _add_face(points, normals, a, b, c, begin, end, sums):  # type: ignore[no-un
             row[3] += w
 
 
-@njit(**_COMPILED)
+@kernel("contracted")
 def _shares(pp, qq, rr, double):  # type: ignore[no-untyped-def]
     """Return the mixed Voronoi areas of the corners (`triangles.mixed_voronoi_areas`)."""
     at_a, at_b, at_c = (pp + qq - rr) / 2, (pp + rr - qq) / 2, (qq + rr - pp) / 2
@@ -161,7 +159,7 @@ def _shares(pp, qq, rr, double):  # type: ignore[no-untyped-def]
     )
 
 
-@njit(**_COMPILED)
+@kernel("contracted")
 def _principal(x, y, z, sums, i, k, d):  # type: ignore[no-untyped-def]
     """Find eigenvalues and directions of vertex i from its sums; all zero: an umbilic."""
     weight = sums[3] if sums[3] > 0 else 1.0

@@ -18,10 +18,9 @@ import math
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
-from meshdepict.threads import each, spans, thread_count
+from meshdepict.threads import each, kernel, spans, thread_count
 
 if TYPE_CHECKING:
     from meshdepict.scales.ladder import Progress
@@ -154,7 +153,7 @@ def bilateral_step(
     return np.where(firm, found / np.where(firm, length, 1), normals)
 
 
-@njit(nogil=True, cache=True, error_model="numpy", fastmath={"contract"})
+@kernel("contracted")
 def _rows(normals, depth, offsets, weights, steep, first, last, found):  # type: ignore[no-untyped-def]
     one = np.float32(1)
     height, width = depth.shape

@@ -12,10 +12,9 @@ import math
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
-from meshdepict.threads import each, spans, thread_count
+from meshdepict.threads import each, kernel, spans, thread_count
 
 if TYPE_CHECKING:
     from meshdepict.scales.ladder import Progress
@@ -124,7 +123,7 @@ def diffuse(
     return np.ascontiguousarray(found[:, 1:-1, 1:-1])
 
 
-@njit(nogil=True, cache=True, error_model="numpy", fastmath={"contract"})
+@kernel("contracted")
 def _rows(slopes, after, conductance, step, first, last):  # type: ignore[no-untyped-def]
     for row in range(first, last):
         c = conductance[row]

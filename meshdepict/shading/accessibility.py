@@ -57,7 +57,7 @@ def accessible_radii(points: Floats, normals: Floats, cap: float) -> Floats:
     return radii
 
 
-@method(local=False, source="Accessibility (Miller 1994)")
+@method(local=False, lights="none", source="Accessibility (Miller 1994)")
 def accessibility(
     space: ScaleSpace,
     light: Any,
@@ -68,21 +68,7 @@ def accessibility(
     ] = 0.05,
     exposure: Exposure = 1.0,
 ) -> NDArray[np.float32]:
-    """Shade by the size of the largest ball that can touch a point: pits and cracks are dark.
-
-    Parameters
-    ----------
-    space : ScaleSpace
-    light : object
-        Not used.
-    cap : float
-    exposure : float
-
-    Returns
-    -------
-    (n,) array of float32
-        Display values in [0, 1].
-    """
+    """Shade by the size of the largest ball that can touch a point: pits and cracks are dark."""
     del light
     radii = accessible_radii(space.unit_points, space.normals[0], cap)
     return exposed((radii / cap).astype(np.float32), exposure)

@@ -17,7 +17,9 @@ __all__ = ["Rays", "ambient_occlusion"]
 Rays = Annotated[int, Range(2, MOST_RAYS, help="rays from each point", soft=(16, 1024))]
 
 
-@method(local=False, source="Ambient occlusion (Zhukov et al. 1998)")
+@method(
+    local=False, lights="none", needs=("rays",), source="Ambient occlusion (Zhukov et al. 1998)"
+)
 def ambient_occlusion(
     space: ScaleSpace, light: Any, *, rays: Rays = 256, exposure: Exposure = 1.0
 ) -> NDArray[np.float32]:
@@ -25,17 +27,8 @@ def ambient_occlusion(
 
     Parameters
     ----------
-    space : ScaleSpace
-    light : object
-        Not used.
     rays : int
         At 256 the typical error on a scan is about one grey level.
-    exposure : float
-
-    Returns
-    -------
-    (n,) array of float32
-        Display values in [0, 1].
     """
     del light
     return exposed(space.occlusion(rays), exposure)

@@ -27,18 +27,6 @@ def aspect(
     ``½ + ½ (n_x, n_y)·l_h / ‖(n_x, n_y)‖`` in the view's frame, l_h being the light's direction on
     the picture plane: the limit of shaded relief under growing exaggeration of heights. ½ where
     the surface faces the eye, and everywhere for a light that stands at the eye.
-
-    Parameters
-    ----------
-    space : ScaleSpace
-    light : str, (3,) array_like, (azimuth, elevation) or Light
-    view : View or str
-    exposure : float
-
-    Returns
-    -------
-    (n,) array of float32
-        Display values in [0, 1].
     """
     eye = as_view(view, space.shape)
     plane = eye.frame[:2]

@@ -19,7 +19,11 @@ from meshdepict.shading.method import Exposure, exposed, method
 __all__ = ["cook_torrance"]
 
 
-@method(linear=True, source="Cook and Torrance, ACM Transactions on Graphics 1(1), 1982")
+@method(
+    linear=True,
+    lights="several",
+    source="Cook and Torrance, ACM Transactions on Graphics 1(1), 1982",
+)
 def cook_torrance(
     space: ScaleSpace,
     light: Any,
@@ -36,19 +40,8 @@ def cook_torrance(
 
     Parameters
     ----------
-    space : ScaleSpace
-    light : light, or several
-        As in `meshdepict.scene.view.as_lights`.
-    view : View or str
-        Where the eye is.
     diffuse, reflectance, roughness : float
         As in `meshdepict.scene.material.CookTorrance`.
-    exposure : float
-
-    Returns
-    -------
-    (n,) array, (n, 3) where a light is coloured
-        Linear values in [0, 1].
     """
     eye = sight(view, space, fitted=False)
     material = CookTorrance(diffuse, reflectance, roughness)

@@ -25,6 +25,14 @@ from meshdepict.scene.material import (
     specular_term,
 )
 from meshdepict.shading.features import Frames, Scaling
+from meshdepict.shading.material_kinds import (
+    ASHIKHMIN_SHIRLEY,
+    COOK_TORRANCE,
+    HALF_LAMBERT,
+    LAMBERT,
+    PHONG,
+    SUB_LAMBERT,
+)
 from meshdepict.shading.warp_equations import jacobian, unwarp, warp_scale
 
 __all__ = ["direct", "kernel_colors", "kernel_parameters", "quantised", "squeezed"]
@@ -67,7 +75,7 @@ def direct(
     if len(lights) <= _FEW and not scaled:
         return _few(space, lights, eyes, material, frames if warping else None, warping)
 
-    from meshdepict.shading.lights_kernel import sum_lights
+    from meshdepict.shading.many_lights_kernel import sum_lights
 
     directions = np.array([light.direction for light in lights], np.float32)
     return squeezed(
@@ -124,19 +132,19 @@ def kernel_parameters(material: Material) -> tuple[int, NDArray[np.float32]]:
     m: Any = material
     match m:
         case Lambert():
-            found: tuple[Any, ...] = (0, m.diffuse, 0, 0)
+            found: tuple[Any, ...] = (LAMBERT, m.diffuse, 0, 0)
         case Toon():
-            found = (0, 1, 0, 0)
+            found = (LAMBERT, 1, 0, 0)
         case HalfLambert():
-            found = (1, m.diffuse, 0, 0)
+            found = (HALF_LAMBERT, m.diffuse, 0, 0)
         case SubLambert():
-            found = (2, m.diffuse, 0, m.flatness)
+            found = (SUB_LAMBERT, m.diffuse, 0, m.flatness)
         case Phong():
-            found = (3, m.diffuse, m.specular, m.shininess)
+            found = (PHONG, m.diffuse, m.specular, m.shininess)
         case CookTorrance():
-            found = (4, m.diffuse, m.reflectance, m.roughness)
+            found = (COOK_TORRANCE, m.diffuse, m.reflectance, m.roughness)
         case AshikhminShirley():
-            found = (5, m.diffuse, m.reflectance, m.shininess)
+            found = (ASHIKHMIN_SHIRLEY, m.diffuse, m.reflectance, m.shininess)
         case _:
             raise MeshdepictError(
                 f"lights don't shine on {type(material).__name__}: give an Environment as the light"

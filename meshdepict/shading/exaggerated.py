@@ -59,7 +59,11 @@ def band_weights(
     return contrast * weights / weights.sum()
 
 
-@method(scales=9, source="Exaggerated Shading (Rusinkiewicz et al. 2006), eqs. 3–5")
+@method(
+    scales=9,
+    compared={"exaggeration": 40.0},  # within the 25 … 50 of the paper
+    source="Exaggerated Shading (Rusinkiewicz et al. 2006), eqs. 3–5",
+)
 def exaggerated(
     space: ScaleSpace,
     light: Any,
@@ -114,12 +118,6 @@ def exaggerated(
         multiplied by exp(−½ (d/ρ_i)²), ρ_i = radius·2^{i/2}. The base coat stays.
     radius : float, optional
         In world units; a tenth of the shape's diagonal unless given.
-    exposure : float
-
-    Returns
-    -------
-    (n,) array of float32
-        Display values in [0, 1].
 
     Raises
     ------

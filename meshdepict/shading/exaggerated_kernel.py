@@ -5,11 +5,10 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from meshdepict.scales.space import ScaleSpace
-from meshdepict.threads import each, spans, thread_count
+from meshdepict.threads import each, kernel, spans, thread_count
 
 __all__ = ["combine_bands"]
 
@@ -43,7 +42,7 @@ def combine_bands(
     return sums
 
 
-@njit(nogil=True, cache=True, fastmath={"contract", "reassoc", "arcp", "nsz"}, error_model="numpy")
+@kernel("reordered")
 def _combine(planes, light, weights, exaggeration, singular, remoteness, sums, begin, end):  # type: ignore[no-untyped-def]
     last = len(planes) - 1
     lx, ly, lz = light[0], light[1], light[2]

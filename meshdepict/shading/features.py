@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from meshdepict.errors import MeshdepictError
 from meshdepict.options import Choice, Range
 from meshdepict.scales.space import ScaleSpace
-from meshdepict.scene.material import MATERIALS, Material
+from meshdepict.scene.material import MATERIALS, Material, adjusted, as_material
 from meshdepict.scene.names import as_view
 from meshdepict.scene.view import View, named_directions
 
@@ -26,6 +26,7 @@ __all__ = [
     "Scale",
     "Scaling",
     "convexity",
+    "curved",
     "eyes",
     "features",
     "sight",
@@ -130,6 +131,35 @@ def features(
         ):
             mine[here] = other[here]
     return found
+
+
+def curved(
+    space: ScaleSpace,
+    view: View | str,
+    material: str | Material,
+    *,
+    curvature: str,
+    scale: int,
+    gain: float | None,
+    importance: ArrayLike | None = None,
+    **own: float | None,
+) -> tuple[Any, View, Frames]:
+    """Return what Light Warping and Radiance Scaling begin with: material, eye and curvature.
+
+    Parameters
+    ----------
+    space, view, curvature, scale, gain, importance
+        As for `features`; the view also by its name.
+    material : str or Material
+    **own
+        Parameters in place of the material's own; None leaves it alone.
+    """
+    chosen = adjusted(as_material(material), **own)
+    eye = sight(view, space, fitted=curvature == "view")
+    frames = features(
+        space, eye, curvature=curvature, scale=scale, gain=gain, importance=importance
+    )
+    return chosen, eye, frames
 
 
 def convexity(

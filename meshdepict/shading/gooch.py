@@ -43,11 +43,8 @@ def gooch(
 
     Parameters
     ----------
-    space : ScaleSpace
-    light : str, (3,) array_like, (azimuth, elevation) or Light
     surface, blue, yellow, cool, warm : float
         See `tones`; cool and warm are the paper's α and β.
-    exposure : float
 
     Returns
     -------

@@ -14,39 +14,15 @@ from meshdepict.shading.method import Exposure, exposed, method
 __all__ = ["half_lambert", "lambert"]
 
 
-@method(linear=True, source="Lambert, Photometria, 1760")
+@method(linear=True, compared={}, source="Lambert, Photometria, 1760")
 def lambert(space: ScaleSpace, light: Any, *, exposure: Exposure = 1.0) -> NDArray[np.float32]:
-    """Shade by max(0, n·l): what every viewer shows, black on the side away from the light.
-
-    Parameters
-    ----------
-    space : ScaleSpace
-    light : str, (3,) array_like, (azimuth, elevation) or Light
-    exposure : float
-
-    Returns
-    -------
-    (n,) array
-        Linear values in [0, 1].
-    """
+    """Shade by max(0, n·l): what every viewer shows, black on the side away from the light."""
     return exposed(np.maximum(_cosine(space, light), 0), exposure)
 
 
 @method(source="Exaggerated Shading (Rusinkiewicz et al. 2006), eq. 1")
 def half_lambert(space: ScaleSpace, light: Any, *, exposure: Exposure = 1.0) -> NDArray[np.float32]:
-    """Shade by ½ + ½ n·l, the unclamped cosine: no part is lost in black.
-
-    Parameters
-    ----------
-    space : ScaleSpace
-    light : str, (3,) array_like, (azimuth, elevation) or Light
-    exposure : float
-
-    Returns
-    -------
-    (n,) array
-        Display values in [0, 1].
-    """
+    """Shade by ½ + ½ n·l, the unclamped cosine: no part is lost in black."""
     return exposed((1 + _cosine(space, light)) / 2, exposure)
 
 

@@ -124,7 +124,14 @@ def _frame(
     return c, along_x, along_y, np.linalg.norm(across, axis=-1)
 
 
-@method(scales=5, ratio=1.7, linear=True, source="Local Light Alignment (Mestres et al. 2021)")
+@method(
+    scales=5,
+    ratio=1.7,
+    linear=True,
+    lights="several",
+    compared={},
+    source="Local Light Alignment (Mestres et al. 2021)",
+)
 def light_alignment(
     space: ScaleSpace,
     light: Any,
@@ -163,7 +170,7 @@ def light_alignment(
     space : ScaleSpace
         With at least one scale.
     light : light, several, or an Environment
-        As in `meshdepict.scene.view.as_lights`.
+        As in `meshdepict.scene.names.as_lights`.
     view : View or str
         Where the eye is; it matters to highlights and transmitted light. Points that face away
         from it are shaded for the eye mirrored in their tangent plane.
@@ -174,20 +181,11 @@ def light_alignment(
         .5,.3,.1,.2,.2 (fig. 7), .9,.6,.4,.2,.3,.2 (fig. 9), for highlights .4,.2,0,.3 and for
         transmission .7,.3,.25,.6 (fig. 8). The default, 0.4 for all, was chosen on scans by eye:
         the dark side of the bunny shows its fur and flat lit parts are not yet mottled.
-    sharpness : float
     diffuse, specular, shininess, roughness : float, optional
         In place of the material's own, for materials that have them.
     transmitted, refraction, frosting : float
         Weight, index and roughness of rough transmission (Walter et al. 2007), which shows light
         from behind.
-    lights : int
-        Into how many lights an environment is sampled.
-    exposure : float
-
-    Returns
-    -------
-    (n,) array of float32, (n, 3) where a light is coloured
-        Linear values in [0, 1].
 
     Raises
     ------
@@ -230,7 +228,7 @@ def _terms(
     transmitted_strength: NDArray[Any],
 ) -> list[Term]:
     """Return the terms that there are, each from a light to (n,), with guides of its own."""
-    from meshdepict.shading.light_kernel import align_chain
+    from meshdepict.shading.alignment_kernel import align_chain
 
     normals, finest = space._planes, space._planes[0]
 

@@ -20,7 +20,6 @@ from meshdepict.scene.material import (
     Material,
     Mirror,
     Refractive,
-    adjusted,
     ambient_term,
     as_material,
 )
@@ -36,9 +35,8 @@ from meshdepict.shading.features import (
     MaterialName,
     Parameter,
     Scale,
+    curved,
     eyes,
-    features,
-    sight,
 )
 from meshdepict.shading.method import Exposure, exposed, method
 from meshdepict.shading.surroundings import as_environment, seen
@@ -49,7 +47,14 @@ __all__ = ["jacobian", "light_warping", "unwarp", "warp", "warp_scale"]
 Single = NDArray[np.float32]
 
 
-@method(scales=1, linear=True, source="Light Warping (Vergne et al., SIGGRAPH 2009)")
+@method(
+    scales=1,
+    linear=True,
+    lights="several",
+    needs=("curvature",),
+    compared={"magnitude": 16.62},  # Local Light Alignment, figs. 13 and 14: on a matt material
+    source="Light Warping (Vergne et al., SIGGRAPH 2009)",
+)
 def light_warping(
     space: ScaleSpace,
     light: Any,
@@ -96,12 +101,9 @@ def light_warping(
     space : ScaleSpace
         With at least one scale, unless ``scale=0``.
     light : light, several, or an Environment
-        As in `meshdepict.scene.view.as_lights`.
-    view : View or str
+        As in `meshdepict.scene.names.as_lights`.
     material : str or Material
         As in `meshdepict.scene.material`; lit spheres and half-Lambert have no light to be warped.
-    curvature : {"object", "view"}
-    scale : int
     gain : float, optional
         As in `radiance_scaling`.
     magnitude : float
@@ -117,12 +119,8 @@ def light_warping(
         Into how many an Environment is sampled; at least 16 look smooth.
     illumination : {"lights", "occlusion"}
         "occlusion": (1/π) ∫ ⟨n·l⟩ V(W(l)) dl, whatever the light and the material.
-    rays : int
     importance : (n,) array_like in [0, 1], optional
         Where fine detail matters: `scale` at 1, the coarsest scale at 0 (fig. 6).
-    shininess, roughness, bins : float, optional
-        In place of the material's own.
-    exposure : float
 
     Returns
     -------
@@ -134,16 +132,15 @@ def light_warping(
     MeshdepictError
         For a scale that is not there, or light that does not go with the material.
     """
-    chosen = adjusted(as_material(material), shininess=shininess, roughness=roughness, bins=bins)
-    if isinstance(chosen, (LitSphere, HalfLambert)):
+    if isinstance(material := as_material(material), (LitSphere, HalfLambert)):
         raise MeshdepictError(
-            f"light_warping: {type(chosen).__name__} has no light that could be warped; "
+            f"light_warping: {type(material).__name__} has no light that could be warped; "
             "radiance_scaling takes it"
         )
-    eye = sight(view, space, fitted=curvature == "view")
-    frames = features(
-        space, eye, curvature=curvature, scale=scale, gain=gain, importance=importance
-    )
+    chosen, eye, frames = curved(
+        space, view, material, curvature=curvature, scale=scale, gain=gain,
+        importance=importance, shininess=shininess, roughness=roughness, bins=bins,
+    )  # fmt: skip
     shaded: NDArray[Any]
     if illumination == "occlusion":
         from meshdepict.shading.warped_occlusion import warped_openness
@@ -174,7 +171,7 @@ def _integral(
     count: int,
 ) -> Single:
     """Return eq. 1 over evenly spread directions."""
-    from meshdepict.shading.lights_kernel import sum_lights
+    from meshdepict.shading.many_lights_kernel import sum_lights
 
     # Radiance averaged over about as much as one direction stands for.
     spacing = math.sqrt(4 * math.pi / count)

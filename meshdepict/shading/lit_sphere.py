@@ -18,7 +18,7 @@ from meshdepict.shading.painted import SPHERES, painted, sphere_picture
 __all__ = ["lit_sphere"]
 
 
-@method(source="The Lit Sphere (Sloan et al., Graphics Interface 2001)")
+@method(lights="none", source="The Lit Sphere (Sloan et al., Graphics Interface 2001)")
 def lit_sphere(
     space: ScaleSpace,
     light: Any,
@@ -33,14 +33,12 @@ def lit_sphere(
 
     Parameters
     ----------
-    space : ScaleSpace
     light : any
         Not looked at: light is part of the painting.
     view : View or str
         Whose right, up and depth the sphere is painted in.
     sphere : str or path
         "clay", "metal", or a picture of a sphere that fills it; transparent corners are filled.
-    exposure : float
 
     Returns
     -------

@@ -26,7 +26,12 @@ __all__ = ["mean_curvature"]
 _STRONGER = 4.0
 
 
-@method(scales=1, source="Kindlmann et al., IEEE Visualization 2003")
+@method(
+    scales=1,
+    lights="none",
+    needs=("curvature",),
+    source="Kindlmann et al., IEEE Visualization 2003",
+)
 def mean_curvature(
     space: ScaleSpace,
     light: Any,
@@ -48,13 +53,9 @@ def mean_curvature(
     ----------
     space : ScaleSpace
         With at least one scale, unless ``scale=0``.
-    light : any
-        Not looked at.
-    view, curvature, scale
-        As in `radiance_scaling`.
     gain : float, optional
-        As there, but four times that by default: this shading has a quarter of its range.
-    exposure : float
+        As in `radiance_scaling`, but four times that by default: this shading has a quarter of
+        its range.
 
     Returns
     -------

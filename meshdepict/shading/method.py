@@ -5,19 +5,33 @@ from __future__ import annotations
 import functools
 import inspect
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
-from typing import Annotated, Any, TypeVar, cast
+from types import MappingProxyType
+from typing import Annotated, Any, Literal, TypeVar, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
 from meshdepict.errors import MeshdepictError
-from meshdepict.options import Range, check, options_of
+from meshdepict.options import Range, check, nearest, options_of
+from meshdepict.shading.docstring import completed
 
-__all__ = ["Declaration", "Exposure", "declaration", "exposed", "method", "require_smoothing"]
+__all__ = [
+    "NEEDS", "Declaration", "Exposure", "Lights", "declaration", "exposed", "is_method", "method",
+    "require_smoothing",
+]  # fmt: skip
 
 Function = TypeVar("Function", bound=Callable[..., Any])
+Lights = Literal["one", "several", "none"]
+
+NEEDS = {
+    "view": "where the eye is",
+    "curvature": "how the surface bends",
+    "rays": "how open every sample is: rays from it, or an image's own occlusion",
+    "surface": "triangles for rays to meet: no image, no volume",
+}
+"""What a method may need beside normals and a light, with its default options."""
 
 Exposure = Annotated[float, Range(0, 1e6, help="factor on the result before clipping", soft=(0, 4))]
 
@@ -39,6 +53,13 @@ class Declaration:
     local : bool
         Whether a sample's value follows from its own normals and curvature alone, so that some
         samples can be shaded without the others.
+    lights : {"one", "several", "none"}
+        How many lights it takes at once; "none" looks the same under any.
+    needs : frozenset of str
+        Of `NEEDS`; "view" is there where the function has such a parameter.
+    compared : mapping, optional
+        Options with which `compare` shows it unless told otherwise, as papers compare it; None
+        where it is compared only when asked for.
     """
 
     scales: int
@@ -46,6 +67,9 @@ class Declaration:
     linear: bool
     source: str
     local: bool = True
+    lights: Lights = "one"
+    needs: frozenset[str] = frozenset()
+    compared: Mapping[str, Any] | None = None
 
 
 def method(
@@ -54,15 +78,37 @@ def method(
     ratio: float = math.sqrt(2),
     linear: bool = False,
     local: bool = True,
+    lights: Lights = "one",
+    needs: Iterable[str] = (),
+    compared: Mapping[str, Any] | None = None,
     source: str,
 ) -> Callable[[Function], Function]:
-    """Declare a shading function: its scales, the kind of its values and its paper.
+    """Declare a shading function: its scales, the kind of its values, its needs and its paper.
 
-    The function then refuses wrong options, and anything but a scale space, with one sentence.
+    The function then refuses wrong options, and anything but a scale space, with one sentence; and
+    its docstring says of every parameter what its annotation says, where it says nothing itself.
+
+    Parameters
+    ----------
+    scales, ratio, linear, local, lights, needs, compared, source
+        See `Declaration`.
+
+    Raises
+    ------
+    MeshdepictError
+        For a need that is unknown, and a function that does not take a space, a light, and its
+        options by keyword.
     """
+    wanted = frozenset(needs)
+    for word in wanted - set(NEEDS):
+        raise MeshdepictError(
+            f"a method can't need {word!r}{nearest(word, NEEDS)} (it may need {', '.join(NEEDS)})"
+        )
 
     def declare(function: Function) -> Function:
-        name, others = function.__name__, inspect.signature(function).parameters
+        name, others = _name(function), inspect.signature(function).parameters
+        seen = {"view"} & set(others)
+        ours = function.__module__.partition(".")[0] == __name__.partition(".")[0]
 
         @functools.wraps(function)
         def shade(space: Any, light: Any = None, **given: Any) -> Any:
@@ -75,17 +121,65 @@ def method(
             options = {
                 key: value for key, value in given.items() if key in known or key not in others
             }
-            return function(space, light, **{**given, **check(function, options, name)})
+            values = function(space, light, **{**given, **check(function, options, name)})
+            return values if ours else _proper(values, len(space.points), name)
 
-        shade.declaration = Declaration(scales, ratio, linear, source, local)  # type: ignore[attr-defined]
+        shade.declaration = Declaration(  # type: ignore[attr-defined]
+            scales, ratio, linear, source, local, lights, wanted | seen,
+            None if compared is None else MappingProxyType(dict(compared)),
+        )  # fmt: skip
+        shade.__doc__ = completed(function, lights=lights, linear=linear)
         return cast("Function", shade)
 
     return declare
 
 
+def _name(function: Callable[..., Any]) -> str:
+    """Return the name of what is to be a method; refuse what can't be called as one."""
+    if not inspect.isfunction(function):
+        raise MeshdepictError(f"md.method makes methods of functions, not of {function!r:.80}")
+    kinds = [(p.kind, p.default) for p in inspect.signature(function).parameters.values()]
+    positional, rest = kinds[:2], kinds[2:]
+    fits = len(positional) == 2 and all(
+        kind in (inspect.Parameter.POSITIONAL_ONLY, inspect.Parameter.POSITIONAL_OR_KEYWORD)
+        for kind, _ in positional
+    )
+    required = inspect.Parameter.empty
+    if not fits or any(
+        kind is not inspect.Parameter.KEYWORD_ONLY or default is required for kind, default in rest
+    ):
+        raise MeshdepictError(
+            f"{function.__name__} can't be a method as it is: let it take a space, a light, and "
+            "after a * its options, each with a default: (space, light, *, exposure=1.0)"
+        )
+    return function.__name__
+
+
+def _proper(values: Any, count: int, name: str) -> NDArray[Any]:
+    """Return what a function of others gave back, in floats; refuse what can't be shown."""
+    array = np.asarray(values)
+    if array.shape not in ((count,), (count, 3)) or array.dtype.kind not in "fiub":
+        raise MeshdepictError(
+            f"{name} returned {array.dtype} {array.shape} for {count} samples: let it return "
+            f"numbers, ({count},) or ({count}, 3)"
+        )
+    array = array if array.dtype.kind == "f" else array.astype(np.float32)
+    if not ((array >= 0) & (array <= 1)).all():
+        raise MeshdepictError(
+            f"{name} returned values that are not in [0, 1], or no numbers: let it end with "
+            "np.clip(values * exposure, 0, 1)"
+        )
+    return array
+
+
 def declaration(function: Callable[..., Any]) -> Declaration:
     """Return what a shading function declared."""
     return function.declaration  # type: ignore[attr-defined]
+
+
+def is_method(function: Any) -> bool:
+    """Whether something is a shading function that was declared by `method`."""
+    return callable(function) and isinstance(getattr(function, "declaration", None), Declaration)
 
 
 def exposed(values: NDArray[Any], exposure: float) -> NDArray[Any]:

@@ -23,7 +23,7 @@ def enhanced_normals(normals: ArrayLike, smoothed: ArrayLike, amount: float) -> 
     return np.where(length > 0, away / np.where(length > 0, length, 1), n)
 
 
-@method(scales=5, linear=True, source="Normal enhancement (Cignoni et al. 2005)")
+@method(scales=5, linear=True, compared={}, source="Normal enhancement (Cignoni et al. 2005)")
 def normal_enhancement(
     space: ScaleSpace,
     light: Any,
@@ -39,15 +39,8 @@ def normal_enhancement(
     ----------
     space : ScaleSpace
         With at least one scale; the coarsest normals are the smoothed ones.
-    light : str, (3,) array_like, (azimuth, elevation) or Light
     amount : float
         k of normalise(n + k (n − n_σ)).
-    exposure : float
-
-    Returns
-    -------
-    (n,) array of float32
-        Linear values in [0, 1].
 
     Raises
     ------

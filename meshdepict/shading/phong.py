@@ -19,7 +19,11 @@ from meshdepict.shading.method import Exposure, exposed, method
 __all__ = ["phong"]
 
 
-@method(linear=True, source="Phong, Illumination for Computer Generated Pictures, 1975")
+@method(
+    linear=True,
+    lights="several",
+    source="Phong, Illumination for Computer Generated Pictures, 1975",
+)
 def phong(
     space: ScaleSpace,
     light: Any,
@@ -36,21 +40,6 @@ def phong(
     """Shade by ambient + diffuse · n·l + specular · (r·l)^shininess, r the reflected view.
 
     Points that face away from the eye are shaded for the eye mirrored in their tangent plane.
-
-    Parameters
-    ----------
-    space : ScaleSpace
-    light : light, or several
-        As in `meshdepict.scene.view.as_lights`.
-    view : View or str
-        Where the eye is.
-    ambient, diffuse, specular, shininess : float
-    exposure : float
-
-    Returns
-    -------
-    (n,) array, (n, 3) where a light is coloured
-        Linear values in [0, 1].
     """
     eye = sight(view, space, fitted=False)
     material = Phong(ambient, diffuse, specular, shininess)

@@ -12,11 +12,10 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 from numpy.typing import ArrayLike, NDArray
 
 from meshdepict.scales.space import ScaleSpace
-from meshdepict.threads import each, spans, thread_count
+from meshdepict.threads import each, kernel, spans, thread_count
 
 __all__ = ["combine_bent_bands", "principal_light"]
 
@@ -84,7 +83,7 @@ def combine_bent_bands(
     return sums
 
 
-@njit(nogil=True, cache=True, error_model="numpy")
+@kernel()
 def _add_band(fine, coarse, d1, bend, share, light, exaggeration, singular, sums, begin, end):  # type: ignore[no-untyped-def]
     one, upright = np.float32(1), np.float32(_UPRIGHT)
     lx, ly, lz = light[0], light[1], light[2]

@@ -13,9 +13,7 @@ from meshdepict.scene.material import (
     LitSphere,
     Mirror,
     Refractive,
-    adjusted,
     ambient_term,
-    as_material,
 )
 from meshdepict.scene.names import as_lights
 from meshdepict.scene.view import View
@@ -30,9 +28,8 @@ from meshdepict.shading.features import (
     Parameter,
     Scale,
     Scaling,
+    curved,
     eyes,
-    features,
-    sight,
 )
 from meshdepict.shading.method import Exposure, exposed, method
 from meshdepict.shading.surroundings import (
@@ -87,7 +84,14 @@ def scaling(
     return (low * e + high) / (low + high * e)
 
 
-@method(scales=1, linear=True, source="Radiance Scaling (Vergne et al. 2011)")
+@method(
+    scales=1,
+    linear=True,
+    lights="several",
+    needs=("curvature",),
+    compared={"material": "lambert", "magnitude": 4.0},  # as Local Light Alignment, figs. 13 and 14
+    source="Radiance Scaling (Vergne et al. 2011)",
+)
 def radiance_scaling(
     space: ScaleSpace,
     light: Any,
@@ -136,15 +140,12 @@ def radiance_scaling(
     space : ScaleSpace
         With at least one scale, unless ``scale=0``.
     light : light, several, or an Environment
-        As in `meshdepict.scene.as_lights`. Mirrors, refraction and irradiance need an Environment;
-        lit spheres and occlusion have no use for light.
-    view : View or str
-        Where the eye is.
+        As in `meshdepict.scene.names.as_lights`. Mirrors, refraction and irradiance need an
+        Environment; lit spheres and occlusion have no use for light.
     material : str or Material
         As in `meshdepict.scene.material`: each has its own reflectance mapping δ (METHODS §5).
     curvature : {"object", "view"}
         See `meshdepict.shading.features.features`.
-    scale : int
     gain : float, optional
         Factor on curvature before κ = tanh(…). The defaults, 0.7 (object) and 2.5 (view), were
         chosen by eye on the bunny, the armadillo and Lucy: at twice that, legs and folds are burnt
@@ -162,13 +163,8 @@ def radiance_scaling(
     illumination : {"lights", "irradiance", "occlusion"}
         "irradiance": albedo/π · A · irradiance of an Environment with δ its share of the largest
         (fig. 8a). "occlusion": A alone, which is δ too (fig. 8b).
-    lights : int
-        Into how many an Environment is sampled.
     rays : int
         For A; 0: A = 1, but for illumination="occlusion" 256.
-    shininess, roughness, bins : float, optional
-        In place of the material's own.
-    exposure : float
 
     Returns
     -------
@@ -180,9 +176,10 @@ def radiance_scaling(
     MeshdepictError
         For a scale that is not there, or light that does not go with the material.
     """
-    chosen = adjusted(as_material(material), shininess=shininess, roughness=roughness, bins=bins)
-    eye = sight(view, space, fitted=curvature == "view")
-    frames = features(space, eye, curvature=curvature, scale=scale, gain=gain)
+    chosen, eye, frames = curved(
+        space, view, material, curvature=curvature, scale=scale, gain=gain,
+        shininess=shininess, roughness=roughness, bins=bins,
+    )  # fmt: skip
     gamma_a, gamma_d, gamma_s = (
         magnitude if own is None else own
         for own in (ambient_magnitude, diffuse_magnitude, specular_magnitude)

@@ -1,4 +1,4 @@
-"""Every method by its name: one line each."""
+"""Every method by its name: this package's own, and those that others bring along."""
 
 from __future__ import annotations
 
@@ -7,58 +7,38 @@ from typing import Any
 
 from meshdepict.errors import MeshdepictError
 from meshdepict.options import nearest
-from meshdepict.shading.accessibility import accessibility
-from meshdepict.shading.ambient_occlusion import ambient_occlusion
-from meshdepict.shading.aspect import aspect
-from meshdepict.shading.cook_torrance import cook_torrance
-from meshdepict.shading.exaggerated import exaggerated
-from meshdepict.shading.gooch import gooch
-from meshdepict.shading.lambert import half_lambert, lambert
-from meshdepict.shading.light_alignment import light_alignment
-from meshdepict.shading.light_warping import light_warping
-from meshdepict.shading.lit_sphere import lit_sphere
-from meshdepict.shading.mean_curvature import mean_curvature
-from meshdepict.shading.normal_enhancement import normal_enhancement
-from meshdepict.shading.phong import phong
-from meshdepict.shading.radiance_scaling import radiance_scaling
-from meshdepict.shading.sky_view import sky_view
-from meshdepict.shading.toon import toon
-from meshdepict.shading.unsharp_masking import unsharp_masking
-from meshdepict.shading.view_curvature import view_curvature
+from meshdepict.shading import catalogue
+from meshdepict.shading.entry_points import Methods
+from meshdepict.shading.method import is_method
 
-__all__ = ["METHODS", "find_method"]
+__all__ = ["METHODS", "OWN", "find_method"]
 
-METHODS: dict[str, Callable[..., Any]] = {
-    function.__name__: function
-    for function in (
-        exaggerated,
-        light_warping,
-        radiance_scaling,
-        light_alignment,
-        lambert,
-        half_lambert,
-        phong,
-        cook_torrance,
-        toon,
-        lit_sphere,
-        mean_curvature,
-        gooch,
-        aspect,
-        normal_enhancement,
-        unsharp_masking,
-        accessibility,
-        ambient_occlusion,
-        sky_view,
-        view_curvature,
-    )
-}
+OWN = {name: function for name, function in vars(catalogue).items() if is_method(function)}
+"""This package's own methods, in the order of their lines."""
+
+METHODS = Methods(OWN)
 """Every method by name."""
 
 
-def find_method(name: str) -> Callable[..., Any]:
-    """Return the shading function of a name; raise `MeshdepictError` naming the nearest."""
-    if not isinstance(name, str) or name not in METHODS:
+def find_method(method: str | Callable[..., Any]) -> Callable[..., Any]:
+    """Return the shading function of a name, or one made by `method` as it is.
+
+    Raises
+    ------
+    MeshdepictError
+        For an unknown name, naming the nearest, and a function that `method` did not make.
+    """
+    if callable(method):
+        if not is_method(method):
+            name = getattr(method, "__name__", type(method).__name__)
+            raise MeshdepictError(
+                f"{name} is no shading method yet: declare it with the decorator "
+                "md.method(source=…), and bake takes it as it takes a name"
+            )
+        return method
+    if not isinstance(method, str) or method not in METHODS:
         raise MeshdepictError(
-            f"no method is called {name!r}{nearest(name, METHODS)} (there are {', '.join(METHODS)})"
+            f"no method is called {method!r}{nearest(method, METHODS)} (there are "
+            f"{', '.join(METHODS)})"
         )
-    return METHODS[name]
+    return METHODS[method]

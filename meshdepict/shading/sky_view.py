@@ -18,7 +18,9 @@ __all__ = ["sky_view"]
 
 
 @method(
-    local=False, source="Sky-view factor (Zakšek, Oštir and Kokalj 2011); directional occlusion"
+    local=False,
+    needs=("rays", "surface"),
+    source="Sky-view factor (Zakšek, Oštir and Kokalj 2011); directional occlusion",
 )
 def sky_view(
     space: ScaleSpace,
@@ -37,12 +39,8 @@ def sky_view(
 
     Parameters
     ----------
-    space : ScaleSpace
     light : str, (3,) array_like, (azimuth, elevation) or Light
         The middle of the sky.
-    spread : float
-    rays : int
-    exposure : float
 
     Returns
     -------

@@ -20,7 +20,7 @@ Bins = Annotated[int, Range(1, 256, help="number of tones", soft=(2, 16))]
 Sharpness = Annotated[float, Range(1e-3, 1e3, help="φ: how narrow steps are", soft=(3, 14))]
 
 
-@method(source="Winnemöller, Olsen and Gooch, Real-Time Video Abstraction, 2006")
+@method(lights="several", source="Winnemöller, Olsen and Gooch, Real-Time Video Abstraction, 2006")
 def toon(
     space: ScaleSpace,
     light: Any,
@@ -29,22 +29,7 @@ def toon(
     sharpness: Sharpness = 6.0,
     exposure: Exposure = 1.0,
 ) -> NDArray[np.float32]:
-    """Shade by n·l in soft steps.
-
-    Parameters
-    ----------
-    space : ScaleSpace
-    light : light, or several
-        As in `meshdepict.scene.view.as_lights`.
-    bins : int
-    sharpness : float
-    exposure : float
-
-    Returns
-    -------
-    (n,) array, (n, 3) where a light is coloured
-        Display values in [0, 1].
-    """
+    """Shade by n·l in soft steps."""
     no_eye = np.array([[0], [0], [1]], np.float32)  # the material does not look at it
     shaded = direct(space, as_lights(light), no_eye, Lambert())
     return exposed(soft_steps(shaded, bins=bins, sharpness=sharpness), exposure)

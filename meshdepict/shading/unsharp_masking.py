@@ -33,14 +33,6 @@ def unsharp_masking(
     ----------
     space : ScaleSpace
         With at least one scale; its coarsest width is σ.
-    light : str, (3,) array_like, (azimuth, elevation) or Light
-    amount : float
-    exposure : float
-
-    Returns
-    -------
-    (n,) array of float32
-        Linear values in [0, 1].
 
     Raises
     ------

@@ -21,7 +21,12 @@ _FLAT = np.array([0.93, 0.92, 0.89], np.float32)
 _COLD = np.array([0.10, 0.35, 0.75], np.float32)
 
 
-@method(scales=1, source="Light Warping (Vergne et al., SIGGRAPH 2009), §4 and fig. 6")
+@method(
+    scales=1,
+    lights="none",
+    needs=("curvature",),
+    source="Light Warping (Vergne et al., SIGGRAPH 2009), §4 and fig. 6",
+)
 def view_curvature(
     space: ScaleSpace,
     light: Any = None,
@@ -44,16 +49,11 @@ def view_curvature(
     ----------
     space : ScaleSpace
         With at least one scale, unless ``scale=0``.
-    light : any
-        Not looked at.
-    view : View or str
-    scale : int
     gain : float
         Colours are those of tanh(gain·mean). The default, 20, was chosen by eye on the bunny and
         the armadillo, in pictures 1000 pixels high.
     foreshortening : float
         0.4 in Radiance Scaling's shader.
-    exposure : float
 
     Returns
     -------

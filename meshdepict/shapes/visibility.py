@@ -16,14 +16,13 @@ takes longer to build than all this.
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from meshdepict.images.pixels import step
-from meshdepict.threads import each, spans, thread_count
+from meshdepict.threads import each, kernel, spans, thread_count
 
 if TYPE_CHECKING:
     from meshdepict.scene.view import View
@@ -34,8 +33,6 @@ __all__ = ["Visible", "projected", "visible_surface"]
 Floats = NDArray[np.float64]
 
 _SLACK = 1e-6  # pixels round a bounding box: more than rounding does to a quotient
-
-_COMPILED: dict[str, Any] = {"nogil": True, "cache": True, "error_model": "numpy"}
 
 
 class Visible(NamedTuple):
@@ -83,7 +80,7 @@ def visible_surface(mesh: Mesh, view: View, width: int) -> Visible:
     return Visible(mask, seen, shares, nearest[mask] * (mesh.diagonal or 1.0))
 
 
-@njit(**_COMPILED)
+@kernel()
 def _band(corners, depth, faces, first, last, nearest, triangle):  # type: ignore[no-untyped-def]
     """Fill the rows [first, last)."""
     width = nearest.shape[1]
@@ -126,7 +123,7 @@ def _band(corners, depth, faces, first, last, nearest, triangle):  # type: ignor
                             triangle[row, column] = f
 
 
-@njit(**_COMPILED)
+@kernel()
 def _within(value, low, high):  # type: ignore[no-untyped-def]
     """Return a whole number held between bounds; any number may come in."""
     return int(low) if not value > low else int(high) if value >= high else int(value)

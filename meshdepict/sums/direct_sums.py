@@ -12,10 +12,9 @@ import math
 from typing import Any
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
-from meshdepict.threads import each, spans, thread_count
+from meshdepict.threads import each, kernel, spans, thread_count
 
 __all__ = ["CHANNEL_BLOCK", "SINGLE_FLOOR", "direct_sums", "exact_sums"]
 
@@ -29,13 +28,6 @@ _FEW = 100  # targets that are quicker compared with every source than sorted in
 # In these units of the width the Gaussian exp(−d²/2) is 2^(−d²).
 _UNIT = math.sqrt(2 * math.log(2.0))
 _TAYLOR = [math.log(2.0) ** k / math.factorial(k) for k in range(1, 7)]
-
-_COMPILED: dict[str, Any] = {
-    "nogil": True,
-    "cache": True,
-    "fastmath": True,
-    "error_model": "numpy",
-}
 
 
 def exact_sums(
@@ -130,7 +122,7 @@ def _cell_side(extent: NDArray[np.float64], count: int, radius: float) -> float:
     return max(min(max(side, radius / 6), radius), float(extent.max()) / 2e6)
 
 
-@njit(**_COMPILED)
+@kernel("free")
 def _gaussians(x, y, z, sources, count, constants, bits, shift, weights):  # type: ignore[no-untyped-def]
     """Fill weights[j] with 2^(−‖source_j − (x, y, z)‖²).
 
@@ -155,7 +147,7 @@ def _gaussians(x, y, z, sources, count, constants, bits, shift, weights):  # typ
         exponent[j] = exponent[j] + (bits(k) << bits(shift))
 
 
-@njit(**_COMPILED)
+@kernel("free")
 def _add_five(weights, values, first, count, sums, i):  # type: ignore[no-untyped-def]
     """Add Σ_j weights_j values_j to five channels of target i."""
     s0 = s1 = s2 = s3 = s4 = weights.dtype.type(0)
@@ -180,7 +172,7 @@ def _add_five(weights, values, first, count, sums, i):  # type: ignore[no-untype
     sums[first + 4, i] += s4
 
 
-@njit(**_COMPILED)
+@kernel("free")
 def _sum_few(xyz, values, few, constants, bits, shift, sums):  # type: ignore[no-untyped-def]
     """Compute the sums of a few points over all sources."""
     channels, count = values.shape
@@ -199,7 +191,7 @@ def _sum_few(xyz, values, few, constants, bits, shift, sums):  # type: ignore[no
                 _add_five(weights, batch, k, size, sums, i)
 
 
-@njit(**_COMPILED)
+@kernel("free")
 def _reach(cells, shape, side, radius, cell, rows):  # type: ignore[no-untyped-def]
     """List the runs of cells [first, last) within ``radius`` of a cell, one run per (y, z) row."""
     ix, iy, iz = cell % shape[0], (cell // shape[0]) % shape[1], cell // (shape[0] * shape[1])
@@ -221,7 +213,7 @@ def _reach(cells, shape, side, radius, cell, rows):  # type: ignore[no-untyped-d
     return found
 
 
-@njit(**_COMPILED)
+@kernel("free")
 def _ball(xyz, wanted, begin, end, ball):  # type: ignore[no-untyped-def]
     """Put centre and radius of a ball round the wanted points [begin, end) into ``ball``."""
     low, high = np.full(3, np.inf), np.full(3, -np.inf)
@@ -238,7 +230,7 @@ def _ball(xyz, wanted, begin, end, ball):  # type: ignore[no-untyped-def]
             ball[3] = max(ball[3], math.sqrt(x * x + y * y + z * z))
 
 
-@njit(**_COMPILED)
+@kernel("free")
 def _sum_cells(  # type: ignore[no-untyped-def]
     xyz,
     values,

@@ -6,6 +6,7 @@ The window and the page build the same controls from this one place.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -57,8 +58,8 @@ class Control:
         return as_text(self.default) if self.kind == "text" else self.default
 
 
-def controls(method: str) -> list[Control]:
-    """Return the controls of a method of `shading.METHODS`, in the order of its options.
+def controls(method: str | Callable[..., Any]) -> list[Control]:
+    """Return the controls of a method, by its name or as it is, in the order of its options.
 
     Raises
     ------

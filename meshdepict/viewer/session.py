@@ -46,6 +46,8 @@ class Session:
     ----------
     shape : Mesh
     method : str
+    function : callable
+        That the method's name stands for.
     light : Light, several or an Environment
     view : View
     colormap : str or None
@@ -61,7 +63,7 @@ class Session:
     def __init__(
         self,
         shape: Any,
-        method: str = "exaggerated",
+        method: str | Callable[..., Any] = "exaggerated",
         *,
         progress: Callable[[float, float], None] | None = None,
         **chosen: Any,
@@ -82,31 +84,29 @@ class Session:
         self._spaces: dict[tuple[int, float], ScaleSpace] = {}
         self._options: dict[str, dict[str, Any]] = {}
         self._baked: Any = None  # a Baked; of volumes a BakedVolume
-        self.method = look.method
         self.colormap: str | None = None
         self.light_fixed_to = "object"
-        self.use(look.method)
+        self.use(look.function)
         self.set(**look.options)
         self.paint(look.colormap)
 
     # --- what can be changed ----------------------------------------------------------------
 
-    def use(self, method: str) -> None:
+    def use(self, method: str | Callable[..., Any]) -> None:
         """Shade by another method; each keeps its own options."""
-        find_method(method)
-        self.method = method
-        self._options.setdefault(method, {})
+        self.function = find_method(method)
+        self.method = self.function.__name__
+        self._options.setdefault(self.method, {})
         self._baked = None
 
     def set(self, **options: Any) -> None:
         """Change options of the method; None puts one back to its default."""
-        function = find_method(self.method)
-        known = options_of(function)
+        known = options_of(self.function)
         wanted = {
             name: known[name].default if value is None and name in known else value
             for name, value in options.items()
         }
-        self.options.update(check(function, wanted, self.method))
+        self.options.update(check(self.function, wanted, self.method))
         self._baked = None
 
     def shine(self, light: Any) -> None:
@@ -159,14 +159,16 @@ class Session:
 
     def look_now(self) -> Look:
         """Return what is chosen, for `go_back`, recipes and bakes."""
-        now = self._asked.replace(method=self.method, light=self.light, view=self.view, up=self.up)
+        now = self._asked.replace(
+            method=self.function, light=self.light, view=self.view, up=self.up
+        )
         words = {name: value for name, value in now.words().items() if name not in now.options}
-        return Look(self.method, **{**words, "colormap": self.colormap, **self.options})
+        return Look(self.function, **{**words, "colormap": self.colormap, **self.options})
 
     def go_back(self, look: Look) -> None:
         """Choose again what `look_now` returned."""
         self.light, self.view = look.light, as_view(look.view, self.shape, up=self.up)
-        self.use(look.method)
+        self.use(look.function)
         self.options.clear()
         self.options.update(look.options)
         self.paint(look.colormap)
@@ -195,17 +197,17 @@ class Session:
         """What the method declares."""
         from meshdepict.shading.method import declaration
 
-        return declaration(find_method(self.method))
+        return declaration(self.function)
 
     @property
     def follows_view(self) -> bool:
         """Whether another view gives other colours."""
-        return self._asked.replace(method=self.method).sees
+        return self._asked.replace(method=self.function).sees
 
     @property
     def space(self) -> ScaleSpace:
         """The scale space of the method; made once for all methods with the same scales."""
-        scales, ratio = self._asked.replace(method=self.method).ladder
+        scales, ratio = self._asked.replace(method=self.function).ladder
         if scales == 0:
             if not self._spaces:
                 self._spaces[0, ratio] = scale_space(self.shape, scales=0)
@@ -231,7 +233,7 @@ class Session:
     def _bake(self, space: ScaleSpace) -> Baked:
         found = bake(
             space,
-            self.method,
+            self.function,
             light=self.light,
             view=self.view,
             up=self.up,

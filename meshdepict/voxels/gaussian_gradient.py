@@ -10,21 +10,19 @@ import math
 from typing import Any
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
-from meshdepict.threads import each, spans, thread_count
+from meshdepict.threads import each, kernel, spans, thread_count
 from meshdepict.voxels.gaussian_bands import Band
 
 __all__ = ["at_voxels", "normalise", "resample"]
 
 # No reordering of sums: a grid in slabs must give the numbers of a whole one.
-_COMPILED = {"nogil": True, "cache": True, "error_model": "numpy", "fastmath": {"contract"}}
 
 _CHUNK = 2048  # outputs whose running sums stay in the fastest cache
 
 
-@njit(**_COMPILED)
+@kernel("contracted")
 def _sweep(rows, start, weights, out, begin, end):  # type: ignore[no-untyped-def]
     """out[i] = Σ_t weights[t] rows[start + t, i] for i in [begin, end)."""
     taps = len(weights)
@@ -51,7 +49,7 @@ def _sweep(rows, start, weights, out, begin, end):  # type: ignore[no-untyped-de
             t += 1
 
 
-@njit(**_COMPILED)
+@kernel("contracted")
 def _dot(line, start, weights):  # type: ignore[no-untyped-def]
     """Σ_t weights[t] line[start + t], in four running sums."""
     taps = len(weights)
@@ -78,7 +76,7 @@ def resample(block: NDArray[Any], bands: tuple[Band, Band, Band], out: NDArray[A
     each(lambda a, b: _resample(*arguments, a, b), spans(len(out), 4 * thread_count()))
 
 
-@njit(**_COMPILED)
+@kernel("contracted")
 def _resample(block, zs, zw, ys, yw, xs, xw, out, begin, end):  # type: ignore[no-untyped-def]
     nz, ny, nx = block.shape
     flat = block.reshape(nz, ny * nx)
@@ -124,7 +122,7 @@ def at_voxels(
     each(lambda a, b: _at_voxels(*arguments, a, b), spans(len(rows), 4 * thread_count()))
 
 
-@njit(**_COMPILED)
+@kernel("contracted")
 def _at_voxels(block, zs, zw, ys, yw, xs, xw, pairs, triples, rows, columns, out, begin, end):  # type: ignore[no-untyped-def]
     nz, ny, nx = block.shape
     flat = block.reshape(nz, ny * nx)
@@ -189,7 +187,7 @@ def normalise(
     each(lambda a, b: _normalise(*arguments, a, b), spans(count, pieces))
 
 
-@njit(**_COMPILED)
+@kernel("contracted")
 def _normalise(gradients, matrix, floor, finer, magnitudes, begin, end):  # type: ignore[no-untyped-def]
     for i in range(begin, end):
         a, b, c = gradients[0, i], gradients[1, i], gradients[2, i]

@@ -2,7 +2,9 @@ import os
 import threading
 import time
 from itertools import pairwise
+from pathlib import Path
 
+import numpy as np
 import pytest
 
 from meshdepict import threads
@@ -150,3 +152,23 @@ def test_spans_cover_a_range_evenly_without_gap_or_overlap(count, pieces):
     sizes = [end - begin for begin, end in found]
     assert max(sizes) - min(sizes) <= 1
     assert len(found) == max(1, min(pieces, count))
+
+
+def test_kernels_are_compiled_in_one_place():
+    package = Path(threads.__file__).parent
+    files = [path for path in package.rglob("*.py") if "numba import" in path.read_text("utf-8")]
+    assert files == [package / "threads.py"]
+
+
+@pytest.mark.parametrize("rounding", threads._FLAGS)
+def test_a_kernel_is_compiled_as_it_asks(rounding):
+    @threads.kernel(rounding)
+    def total(values):
+        found = 0.0
+        for value in values:
+            found += value
+        return found
+
+    flags = total.targetoptions
+    assert (flags["nogil"], flags["error_model"]) == (True, "numpy")
+    assert total(np.array([1.0, 2.0, 4.0])) == 7.0

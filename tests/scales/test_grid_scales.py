@@ -9,7 +9,7 @@ from conftest import angle_between, rotation
 from meshdepict.color.transfer import TransferFunction
 from meshdepict.errors import MeshdepictError
 from meshdepict.scales.grid_scales import GridSpace, grid_space
-from meshdepict.shading import METHODS
+from meshdepict.shading import METHODS, declaration
 from meshdepict.shapes.phantom import ct_phantom
 from meshdepict.shapes.volume import Volume
 
@@ -200,7 +200,7 @@ def test_creases_are_the_least_cosines_to_the_six_neighbours(head: GridSpace) ->
 
 @pytest.mark.parametrize("name", METHODS)
 def test_every_method_that_needs_no_surface_shades_voxels(name: str, head: GridSpace) -> None:
-    if name in ("ambient_occlusion", "sky_view"):
+    if "rays" in declaration(METHODS[name]).needs:
         with pytest.raises(MeshdepictError, match=r"rays need a surface.*a volume is none"):
             METHODS[name](head, "northwest")
         return

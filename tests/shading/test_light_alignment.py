@@ -8,8 +8,8 @@ import meshdepict as md
 import meshdepict.scene.material
 from meshdepict.errors import MeshdepictError
 from meshdepict.shading import light_alignment
+from meshdepict.shading.alignment_kernel import align_chain, arc_tangent, cosine, sine
 from meshdepict.shading.light_alignment import align, confidence, transition
-from meshdepict.shading.light_kernel import align_chain, arc_tangent, cosine, sine
 
 GREY = 1 / 255
 

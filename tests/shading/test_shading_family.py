@@ -9,9 +9,11 @@ from conftest import DATA, rotation, tetrahedron
 from meshdepict import scale_space, shading
 from meshdepict.errors import MeshdepictError
 from meshdepict.options import check, options_of
+from meshdepict.scales.mesh_scales import MeshSpace
 from meshdepict.scene.light import Light
 from meshdepict.scene.view import View
 from meshdepict.shading import METHODS, declaration
+from meshdepict.shading.method import NEEDS
 from meshdepict.shapes import samples
 from meshdepict.shapes.mesh import Mesh
 
@@ -24,7 +26,7 @@ FRONT = np.eye(3)
 def shade(method, space, light="northwest", *, frame=FRONT, unit=1.0, **options):
     """Call a method as `bake` does, with an eye where it asks for one."""
     function = METHODS[method]
-    if "view" in inspect.signature(function).parameters:
+    if "view" in declaration(function).needs:
         options["view"] = View(5 * unit * frame[2], (0, 0, 0), frame[1], parallel_scale=1.3 * unit)
     return function(space, light, **options)
 
@@ -84,6 +86,68 @@ def test_the_docstring_names_every_option(method):
     function = METHODS[method]
     text = inspect.getdoc(function)
     assert all(name in text for name in options_of(function))
+
+
+@every_method
+def test_every_parameter_and_the_result_are_documented_once(method):
+    function = METHODS[method]
+    intro, *sections = inspect.getdoc(function).split("\n\n")
+    titles = [section.partition("\n")[0] for section in sections]
+    assert titles.count("Parameters") == titles.count("Returns") == 1
+    assert "-----" not in intro
+    body = sections[titles.index("Parameters")].splitlines()[2:]
+    heads = [line.partition(":")[0] for line in body if not line.startswith(" ")]
+    names = [name.strip() for head in heads for name in head.split(",")]
+    assert sorted(names) == sorted(inspect.signature(function).parameters)
+
+
+# --- what is declared is so ---------------------------------------------------------------------
+
+
+@every_method
+def test_what_a_method_does_not_declare_it_does_not_ask_for(method, monkeypatch):
+    asked = set()
+
+    def watch(name, need):
+        known = getattr(MeshSpace, name)
+
+        def spy(self, *given, **options):
+            asked.add(need)
+            return (known.fget if isinstance(known, property) else known)(self, *given, **options)
+
+        monkeypatch.setattr(MeshSpace, name, property(spy) if isinstance(known, property) else spy)
+
+    watch("curvature", "curvature")
+    watch("view_curvature", "curvature")
+    watch("occlusion", "rays")
+    watch("surface", "rays")
+    shade(method, scale_space(small(), scales=3), **few_rays(method, 2))
+    needs = declaration(METHODS[method]).needs
+    assert needs <= set(NEEDS)
+    assert asked == needs & {"curvature", "rays"}
+    assert ("view" in needs) == ("view" in inspect.signature(METHODS[method]).parameters)
+
+
+@every_method
+def test_a_method_takes_as_many_lights_as_it_declares(method, space):
+    lights = declaration(METHODS[method]).lights
+    two = [Light((1, 0, 1)), Light((-1, 1, 1))]
+    if lights == "one":
+        with pytest.raises(MeshdepictError, match="light"):
+            shade(method, space, two)
+        return
+    found = shade(method, space, two)
+    assert_proper(found, len(space.points))
+    if lights == "none":
+        np.testing.assert_array_equal(found, shade(method, space, "southeast"))
+    else:
+        assert np.ptp(found - shade(method, space, two[0])) > GREY_LEVEL
+
+
+@every_method
+def test_what_compare_shows_it_with_are_options_that_it_takes(method):
+    compared = declaration(METHODS[method]).compared
+    assert compared is None or check(METHODS[method], compared, method) == compared
 
 
 # --- results ----------------------------------------------------------------------------------

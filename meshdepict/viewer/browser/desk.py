@@ -18,7 +18,6 @@ from meshdepict.errors import MeshdepictError
 from meshdepict.options import as_text
 from meshdepict.scene.light import Light
 from meshdepict.scene.view import View
-from meshdepict.shading.registry import find_method
 from meshdepict.viewer.controls import Control, controls
 from meshdepict.viewer.packing import sight
 from meshdepict.viewer.page import save_page
@@ -79,7 +78,7 @@ class Desk:
         from meshdepict.shading.registry import METHODS
 
         session = self.session
-        summary = (inspect.getdoc(find_method(session.method)) or "").partition("\n\n")[0]
+        summary = (inspect.getdoc(session.function) or "").partition("\n\n")[0]
         single = isinstance(session.light, Light)
         return {
             "title": self.title,
@@ -87,7 +86,7 @@ class Desk:
             "method": session.method,
             "methods": list(METHODS),
             "about": " ".join(summary.split()),
-            "controls": [self._control(control) for control in controls(session.method)],
+            "controls": [self._control(control) for control in controls(session.function)],
             "light": session.light.direction.tolist() if single else None,
             "follows": session.light_fixed_to == "eye",
             "lightText": str(session.light)[:200],

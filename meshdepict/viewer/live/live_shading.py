@@ -50,7 +50,7 @@ class LiveShading(LiveLook):
     ----------
     space : ScaleSpace
         Of a mesh.
-    method : str
+    method : str or function
     options : mapping, optional
         The method's own.
     light : light, or several

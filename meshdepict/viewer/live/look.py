@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
@@ -49,7 +49,7 @@ class LiveLook:
     def __init__(
         self,
         space: ScaleSpace,
-        method: str,
+        method: str | Callable[..., Any],
         *,
         options: Mapping[str, Any] | None = None,
         light: Any = "northwest",
@@ -135,9 +135,14 @@ def live_methods() -> tuple[str, ...]:
     return tuple(_METHODS)
 
 
-def live_method(name: Any) -> LiveMethod:
-    """Return a method that can be live; raise `MeshdepictError` for others."""
-    if not isinstance(name, str) or name not in _METHODS:
+def live_method(method: Any) -> LiveMethod:
+    """Return a method that can be live, by name or function; raise `MeshdepictError` for others."""
+    name = getattr(method, "__name__", method)
+    if (
+        not isinstance(name, str)
+        or name not in _METHODS
+        or (callable(method) and method is not _METHODS[name].function)
+    ):
         raise MeshdepictError(
             f"{name!r} can't be shown live{nearest(str(name), _METHODS)} (these can: "
             f"{', '.join(_METHODS)}); bake it instead"

@@ -5,14 +5,11 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
-from meshdepict.threads import each, spans, thread_count
+from meshdepict.threads import each, kernel, spans, thread_count
 
 __all__ = ["nearest_places"]
-
-_COMPILED = {"nogil": True, "cache": True, "error_model": "numpy"}
 
 
 def nearest_places(normals: NDArray[np.float32], half: int) -> NDArray[np.float32]:
@@ -30,7 +27,7 @@ def nearest_places(normals: NDArray[np.float32], half: int) -> NDArray[np.float3
     return places
 
 
-@njit(**_COMPILED)
+@kernel()
 def _fold(normals, half, places, begin, end):  # type: ignore[no-untyped-def]
     for i in range(begin, end):
         x, y, z = float(normals[i, 0]), float(normals[i, 1]), float(normals[i, 2])
@@ -49,7 +46,7 @@ def _fold(normals, half, places, begin, end):  # type: ignore[no-untyped-def]
                     places[i, 0], places[i, 1] = u, v
 
 
-@njit(inline="always", **_COMPILED)
+@kernel(inline=True)
 def _cosine(px, py, x, y, z):  # type: ignore[no-untyped-def]
     """Return the cosine between (x, y, z) and what a place stands for."""
     pz = 1 - abs(px) - abs(py)

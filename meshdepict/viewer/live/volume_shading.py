@@ -85,7 +85,7 @@ class LiveVolume(LiveLook):
     ----------
     space : GridSpace
         With a transfer function.
-    method : str
+    method : str or function
     options : mapping, optional
         The method's own.
     light : light, or several

@@ -184,13 +184,13 @@ class LitObject(LitShape):
         from meshdepict.viewer.live.live_shading import LiveShading
 
         session, options = self._session, self._options()
-        anew = self._live is None or self._tried != session.method
+        anew = self._live is None or self._tried is not session.function
         try:
             if anew:
                 self._drop_live()
-                self._tried = session.method
+                self._tried = session.function
                 self._live = LiveShading(
-                    session.space, session.method, options=options, light=session.light,
+                    session.space, session.function, options=options, light=session.light,
                     view=session.view, colormap=session.colormap,
                 )  # fmt: skip
                 self._live.check()

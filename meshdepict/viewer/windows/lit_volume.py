@@ -158,14 +158,14 @@ class LitVolume(LitShape):
     def _show_live(self) -> bool:
         """Have the card shade; return whether it can."""
         session = self._session
-        key = ("live", session.transfer, session.method)
+        key = ("live", session.transfer, session.function)
         if not self._may_live or key == self._refused:
             return False
         options = self._options()
         try:
             if key != self._shown_for or self._live is None:
                 made = LiveVolume(
-                    session.space, session.method, options=options, light=session.light,
+                    session.space, session.function, options=options, light=session.light,
                     view=session.view,
                 )  # fmt: skip
                 made.check()

@@ -124,7 +124,7 @@ class OptionPanel:
 
     def _build(self) -> None:
         self.close()
-        known = controls(self._session.method)
+        known = controls(self._session.function)
         sliders = [control for control in known if control.kind == "slider"]
         pages = max(1, math.ceil(len(sliders) / SLIDERS))
         self._page %= pages

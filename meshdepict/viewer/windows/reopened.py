@@ -45,9 +45,9 @@ def session_of(baked: Depiction) -> Session:
     if isinstance(baked, BakedVolume):
         if baked.transfer is None:
             raise MeshdepictError("a volume without a transfer function can't be lit anew")
-        return VolumeSession(baked, again.method, **again.words())
+        return VolumeSession(baked, again.function, **again.words())
     assert isinstance(baked, Baked)
     again = again.replace(facing=space.facing)
-    session = Session(baked.shape, again.method, **again.words())
+    session = Session(baked.shape, again.function, **again.words())
     session.adopt(space, baked)
     return session

@@ -44,7 +44,7 @@ class VolumeSession(Session):
     def __init__(  # not Session's, which wants a mesh
         self,
         volume: Any,
-        method: str = "exaggerated",
+        method: str | Callable[..., Any] = "exaggerated",
         *,
         progress: Callable[[float, float], None] | None = None,
         **chosen: Any,
@@ -116,7 +116,7 @@ class VolumeSession(Session):
         return self._baked
 
     def _key(self) -> tuple[str, int, float | None]:
-        scales, ratio = self._asked.replace(method=self.method).ladder
+        scales, ratio = self._asked.replace(method=self.function).ladder
         return self.transfer.name, scales, ratio
 
     def _keep(self, space: GridSpace) -> None:

@@ -10,10 +10,9 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
-from meshdepict.threads import each, spans, thread_count
+from meshdepict.threads import each, kernel, spans, thread_count
 
 __all__ = ["align_chain", "arc_tangent", "cosine", "sine"]
 
@@ -22,10 +21,6 @@ _ONE, _ZERO = np.float32(1), np.float32(0)
 _TINY = np.float32(1e-30)  # keeps quotients finite; its square root is still a normal number
 _SINGULAR = np.float32(1e-6)  # METHODS: ‖l̄‖/√(‖l̄‖² + 10⁻⁶)
 _HALF_PI = np.float32(math.pi / 2)
-_COMPILED = {
-    "nogil": True, "cache": True, "fastmath": {"contract", "reassoc", "arcp", "nsz"},
-    "error_model": "numpy",
-}  # fmt: skip
 
 # Minimax fits: atan x / x on [0, 1] and sin x / x, cos x on [0, π/2], in powers of x².
 _ATAN = tuple(
@@ -42,7 +37,7 @@ _COS = tuple(
 )
 
 
-@njit(inline="always", **_COMPILED)
+@kernel("reordered", inline=True)
 def arc_tangent(y, x):  # type: ignore[no-untyped-def]
     """Return atan2(y, x) for y, x ≥ 0 in float32, in [0, π/2]; 0 for (0, 0)."""
     t = min(y, x) / max(max(y, x), _TINY)
@@ -53,14 +48,14 @@ def arc_tangent(y, x):  # type: ignore[no-untyped-def]
     return _HALF_PI - p if y > x else p
 
 
-@njit(inline="always", **_COMPILED)
+@kernel("reordered", inline=True)
 def sine(x):  # type: ignore[no-untyped-def]
     """Return sin x in float32 for |x| ≤ π/2."""
     s = x * x
     return x * (_SIN[0] + s * (_SIN[1] + s * (_SIN[2] + s * (_SIN[3] + s * _SIN[4]))))
 
 
-@njit(inline="always", **_COMPILED)
+@kernel("reordered", inline=True)
 def cosine(x):  # type: ignore[no-untyped-def]
     """Return cos x in float32 for |x| ≤ π/2."""
     s = x * x
@@ -101,7 +96,7 @@ def align_chain(
     return lights
 
 
-@njit(**_COMPILED)
+@kernel("reordered")
 def _chain(planes, strengths, fade, lights, begin, end):  # type: ignore[no-untyped-def]
     for start in range(begin, end, _BLOCK):
         stop = min(_BLOCK, end - start) + start
@@ -116,7 +111,7 @@ def _chain(planes, strengths, fade, lights, begin, end):  # type: ignore[no-unty
                 )  # fmt: skip
 
 
-@njit(**_COMPILED)
+@kernel("reordered")
 def _rotate(nx, ny, nz, zx, zy, zz, strength, fade, lx, ly, lz):  # type: ignore[no-untyped-def]
     """Do `light_alignment.align` in place; without branches the loop runs in vector registers."""
     for i in range(len(lx)):

@@ -1,0 +1,42 @@
+"""Radiance Scaling's factors for many lights at one point, compiled.
+
+`meshdepict.shading.radiance_scaling.scaling` is the same formula for arrays.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from meshdepict.threads import kernel
+
+__all__ = ["factors"]
+
+_ZERO, _ONE = np.float32(0), np.float32(1)
+_MOST = np.float32(60)  # radiance_scaling: e^60 is a float32 that may still be multiplied
+
+
+@kernel("reordered")
+def factors(magnitude, alpha, convexity, mean, slant, local, term, delta, factor):  # type: ignore[no-untyped-def]
+    """Write `radiance_scaling.scaling` for κ(l), which is one number where isotropic."""
+    beta = _ONE - alpha
+    if slant == _ZERO:
+        e = _faded(magnitude, convexity)
+        for k in range(len(delta)):
+            low, high = alpha * (_ONE - delta[k]), beta * delta[k]
+            factor[k] = (low * e + high) / (low + high * e)
+        return
+    for k in range(len(delta)):
+        factor[k] = _ZERO
+        if term[k] > _ZERO:
+            across = local[0, k] * local[0, k] - local[1, k] * local[1, k]
+            e = _faded(magnitude, -math.tanh(mean + slant * across))
+            low, high = alpha * (_ONE - delta[k]), beta * delta[k]
+            factor[k] = (low * e + high) / (low + high * e)
+
+
+@kernel("reordered")
+def _faded(magnitude, convexity):  # type: ignore[no-untyped-def]
+    """Return E = e^−γκ."""
+    return np.float32(math.exp(max(-_MOST, min(_MOST, -magnitude * convexity))))
