@@ -8,12 +8,29 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from promises import promises, watch_parameters, watched_functions  # noqa: F401
+from side_by_side import pytest_xdist_auto_num_workers, share_of_threads  # noqa: F401
 
 from meshdepict import threads
 from meshdepict.shapes import samples
 from meshdepict.shapes.mesh import Mesh
 
 DATA = os.environ.get("MESHDEPICT_DATA")
+
+# Seconds until a test gives up on another program or thread. Only one that hangs takes them: on
+# two free cores none takes six, and some machines are busy and ten times slower.
+PATIENCE = 600
+
+# A test that uses one of these fixtures gets the marker.
+MARKERS = {"tab": "browser", "data": "data"}
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Mark what needs a browser or real data, so that it can be left out by name."""
+    for item in items:
+        watch_parameters(item)
+        for fixture in MARKERS.keys() & set(getattr(item, "fixturenames", ())):
+            item.add_marker(MARKERS[fixture])
 
 
 @pytest.fixture(scope="session")
