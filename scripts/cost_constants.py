@@ -21,7 +21,7 @@ from tables import ROOT
 from benchmarks import subjects
 from benchmarks.processes import Command
 from benchmarks.sums import CELLS, ERROR, Direct, Grid, Points
-from benchmarks.timing import costs
+from benchmarks.timing import Cost, costs
 from meshdepict.sums import spectral_sums as spectral
 
 GAUSSIAN, SPECTRAL, REPORT = (
@@ -32,9 +32,14 @@ BAKES = (40_000, 160_000)  # vertices
 Constant = tuple[str, str, float]  # module, name, value
 
 
-def least(benchmark: object, *params: object, runs: int) -> float:
+def quickest(taken: list[Cost]) -> float:
     """Return the shortest processor time: the clock also counts what other programs do."""
-    return min(cost.processor for cost in costs(benchmark, "time_summing", *params, runs=runs))
+    return min(cost.processor for cost in taken)
+
+
+def least(benchmark: object, *params: object, runs: int) -> float:
+    """Return the core-seconds of a sum."""
+    return quickest(costs(benchmark, "time_summing", *params, runs=runs))
 
 
 def neighbours(runs: int) -> Iterator[Constant]:
@@ -89,7 +94,7 @@ def bakes(runs: int) -> Iterator[Constant]:
     for count in BAKES:  # the smaller one first: the largest child process is what is remembered
         subjects.BALLS[str(count)] = count
         taken = costs(Command(), "time_baking", str(count), runs=runs)
-        seconds.append(min(each.processor for each in taken))
+        seconds.append(quickest(taken))
         sizes.append(1024 * resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss)
     span = BAKES[1] - BAKES[0]
     for name, (small, large) in (("SECONDS", seconds), ("BYTES", sizes)):
