@@ -13,9 +13,8 @@ from __future__ import annotations
 import platform
 import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from curvature_cases import (
@@ -31,8 +30,10 @@ from curvature_cases import (
     vtk,
 )
 from exact_surfaces import Exact
+from tables import head, row
 
 import meshdepict as md
+from benchmarks.timing import shortest
 from meshdepict.curvature import principal_curvatures
 from meshdepict.shapes import samples
 from meshdepict.threads import thread_count
@@ -73,16 +74,6 @@ def errors(found: Found, exact: Exact) -> dict[str, float]:
     return result
 
 
-def best(work: Callable[[], Any], runs: int) -> tuple[float, Any]:
-    """Return the shortest time of several runs in seconds, and the result."""
-    times = []
-    for _ in range(runs):
-        start = time.perf_counter()
-        result = work()
-        times.append(time.perf_counter() - start)
-    return min(times), result
-
-
 Key = tuple[str, int, str, float, str]
 
 
@@ -104,8 +95,9 @@ def measured() -> dict[Key, dict[str, float]]:
         for label, (estimate, slow) in ESTIMATORS.items():
             if slow and case[1] > SLOW:
                 continue
-            seconds, found = best(lambda e=estimate, m=exact.mesh: e(m), runs)
-            results[*case, label] = errors(found, exact) | {"seconds": seconds}
+            found: list[Found] = []
+            seconds = shortest(lambda e=estimate, m=exact.mesh, f=found: f.append(e(m)), runs)
+            results[*case, label] = errors(found[-1], exact) | {"seconds": seconds}
         print(f"  {case}", file=sys.stderr, flush=True)
     return results
 
@@ -121,16 +113,6 @@ def over_surfaces(results, label, count, quality, noise, what, pick=np.median) -
 
 
 # --- tables -----------------------------------------------------------------------------------
-
-
-def row(*cells: object) -> None:
-    print("| " + " | ".join(str(cell) for cell in cells) + " |", flush=True)
-
-
-def head(*cells: str) -> None:
-    print()
-    row(*cells)
-    row(*("---" for _ in cells))
 
 
 def short(value: float) -> str:
@@ -173,7 +155,7 @@ def aims() -> None:
     for count, runs, aim in ((36_000, 40, "15 ms"), (1_750_000, 4, "600 ms")):
         mesh = surface("torus", count).mesh
         principal_curvatures(mesh)
-        seconds, _ = best(lambda m=mesh: principal_curvatures(m), runs)
+        seconds = shortest(lambda m=mesh: principal_curvatures(m), runs)
         row(f"tensor, {len(mesh.vertices):,} vertices", f"{1e3 * seconds:.1f} ms", aim)
     found = principal_curvatures(samples.sphere(41_000))
     worst = max(np.abs(found.k1 - 1).max(), np.abs(found.k2 - 1).max())

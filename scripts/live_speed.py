@@ -13,22 +13,21 @@ Several samples per pixel cost software OpenGL more than the shading does, hence
 from __future__ import annotations
 
 import argparse
-import time
+import statistics
 from typing import Any
 
-import numpy as np
-import pyvista as pv
+from tables import head, row
 
-import meshdepict as md
-from meshdepict.drawing.canvas import place
-from meshdepict.viewer.live import LiveShading, live_methods
+from benchmarks import scale_spaces, subjects
+from benchmarks.live import SEVERAL, NewLight
+from benchmarks.timing import best, costs
+from meshdepict.viewer.live import live_methods
 
 # What a method is measured with, where its defaults would leave something out.
 OPTIONS: dict[str, list[dict[str, Any]]] = {
     "light_alignment": [{}, {"material": "phong"}],
     "light_warping": [{}, {"material": "phong"}],
 }
-SEVERAL = ("light_warping",)  # shown with eight lights
 
 
 def pixels(text: str) -> tuple[int, int]:
@@ -36,39 +35,10 @@ def pixels(text: str) -> tuple[int, int]:
     return int(width), int(height)
 
 
-def moving_light(step: int) -> tuple[float, float]:
-    """Return azimuth and elevation: once round in about 40 frames."""
-    return 9.0 * step, 40.0
-
-
-def lit(method: str, step: int, view: md.View) -> Any:
-    lamp = md.Light(md.scene.as_light(moving_light(step), view).direction)
-    return lamp.spread(60, count=8) if method in SEVERAL else lamp
-
-
-def median_seconds(
-    live: LiveShading, mesh: md.Mesh, view: md.View, given: argparse.Namespace
-) -> float:
-    """Return the median time from a new light to the finished frame."""
-    window = pv.Plotter(off_screen=True, window_size=list(given.size))
-    window.render_window.SetMultiSamples(given.samples)
-    window.add_actor(live.actor)
-    place(window.camera, view, mesh)
-    window.reset_camera_clipping_range()
-    live.check(window)
-    times = []
-    for step in range(given.frames):
-        start = time.perf_counter()
-        live.set_light(lit(live.method, step, view))
-        window.render_window.Render()
-        window.render_window.WaitForCompletion()
-        times.append(time.perf_counter() - start)
-    window.close()
-    return float(np.median(times))
-
-
 def renderer() -> str:
     """Return the OpenGL renderer that VTK found."""
+    import pyvista as pv
+
     window = pv.Plotter(off_screen=True, window_size=[16, 16])
     window.show(auto_close=False)
     lines = window.render_window.ReportCapabilities().splitlines()
@@ -86,29 +56,23 @@ def main() -> None:
     given = parser.parse_args()
     width, height = given.size
 
-    mesh = md.read_mesh(given.mesh) if given.mesh else md.samples.golf_ball(given.vertices)
-    view = md.View.fitted("front", mesh, aspect=width / height)
-    start = time.perf_counter()
-    nine = md.scale_space(mesh, scales=9)
-    seconds = time.perf_counter() - start
+    subjects.BALLS["ball"] = given.vertices
+    subject = given.mesh or "ball"
+    mesh = subjects.mesh(subject)
+    seconds = best(scale_spaces.Making(), "time_making", subject, runs=1)
     print(f"{renderer()}, {width} x {height} pixels, {given.samples} samples")
     print(f"{len(mesh.vertices):,} vertices, {len(mesh.faces):,} faces, 9 scales ({seconds:.1f} s)")
-    print("\n| method | options | ready, s | a frame, ms | frames/s |")
-    print("| --- | --- | --- | --- | --- |")
+    head("method", "options", "ready, s", "a frame, ms", "frames/s")
     for method in live_methods():
         for options in OPTIONS.get(method, [{}]):
-            start = time.perf_counter()
-            live = LiveShading(nine, method, options=options, light=lit(method, 0, view), view=view)
-            ready = time.perf_counter() - start
-            frame = median_seconds(live, mesh, view, given)
+            light = NewLight(subject, size=given.size, samples=given.samples, options=options)
+            ready = best(light, "time_getting_ready", method, runs=1)
+            runs = costs(light, "time_frame", method, runs=given.frames)
+            frame = statistics.median(run.clock for run in runs)
             words = [f"{name}={value}" for name, value in options.items()]
             words += ["8 lights"] if method in SEVERAL else []
             rate = 1 / max(frame, 1e-9)
-            print(
-                f"| {method} | {', '.join(words)} | {ready:.2f} | {1000 * frame:.1f} | "
-                f"{rate:.0f} |",
-                flush=True,
-            )
+            row(method, ", ".join(words), f"{ready:.2f}", f"{1000 * frame:.1f}", f"{rate:.0f}")
 
 
 if __name__ == "__main__":

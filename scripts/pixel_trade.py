@@ -15,15 +15,15 @@ import argparse
 import inspect
 import platform
 import sys
-import time
 import warnings
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
+from tables import head, row
 
 import meshdepict as md
+from benchmarks.timing import shortest
 from meshdepict.color.srgb import linear_to_srgb
 from meshdepict.scales.image_scales import image_space
 from meshdepict.scales.interpolated_scales import InterpolatedSpace
@@ -114,16 +114,6 @@ def error(values: Values, reference: Values) -> tuple[float, float]:
     return float(np.sqrt(np.mean(off**2))), 100 * float(np.mean(off > 2))
 
 
-def best(work: Callable[[], Any], runs: int = 3) -> float:
-    """Return the shortest time of several runs, in seconds."""
-    times = []
-    for _ in range(runs):
-        start = time.perf_counter()
-        work()
-        times.append(time.perf_counter() - start)
-    return min(times)
-
-
 def decimated(path: Path, counts: tuple[int, ...]) -> list[md.Mesh]:
     """Return a scan with about so many vertices, and as it is."""
     import pyvista as pv
@@ -138,16 +128,6 @@ def decimated(path: Path, counts: tuple[int, ...]) -> list[md.Mesh]:
 
 
 # --- tables -----------------------------------------------------------------------------------
-
-
-def row(*cells: object) -> None:
-    print("| " + " | ".join(str(cell) for cell in cells) + " |", flush=True)
-
-
-def head(*cells: str) -> None:
-    print()
-    row(*cells)
-    row(*("---" for _ in cells))
 
 
 Errors = dict[tuple[str, int], tuple[float, float]]
@@ -231,7 +211,7 @@ def refinement(cases: list[Case]) -> None:
             row(
                 method, f"{len(case.mesh.vertices):,}",
                 f"{len(finer.shape.faces) / len(case.mesh.faces):.1f}",
-                f"{best(bake):.2f}", f"{best(lambda: bake(2), 2):.2f}",
+                f"{shortest(bake):.2f}", f"{shortest(lambda: bake(2), 2):.2f}",
                 f"{plain[0]:#.2g} ({plain[1]:.0f} %)", f"{after[0]:#.2g} ({after[1]:.0f} %)",
             )  # fmt: skip
 
@@ -243,7 +223,9 @@ def times(case: Case) -> None:
         f"seconds, {len(case.mesh.vertices):,} vertices, {count:,} pixels",
         "bake, all of it", "shading alone", "interpolated pixels", "papers' filters, all of it",
     )  # fmt: skip
-    buffer_seconds = best(lambda: GBuffer.of(case.mesh, case.buffer.view, size=case.buffer.size))
+    buffer_seconds = shortest(
+        lambda: GBuffer.of(case.mesh, case.buffer.view, size=case.buffer.size)
+    )
     for method in METHODS:
         space = case.space(method)
         lamp, view = light(method, case.buffer), case.buffer.view
@@ -252,10 +234,10 @@ def times(case: Case) -> None:
             return md.bake(case.mesh, method, light=lamp, view=view, width=case.width)
 
         row(
-            method, f"{best(bake):.2f}",
-            f"{best(lambda s=space, m=method: case.shaded(s, m)):.3f}",
-            f"{best(lambda s=space, m=method: case.shaded(case.between(s), m)):.2f}",
-            f"{best(lambda m=method: case.pictured(m)):.2f}",
+            method, f"{shortest(bake):.2f}",
+            f"{shortest(lambda s=space, m=method: case.shaded(s, m)):.3f}",
+            f"{shortest(lambda s=space, m=method: case.shaded(case.between(s), m)):.2f}",
+            f"{shortest(lambda m=method: case.pictured(m)):.2f}",
         )  # fmt: skip
     print(f"\nThe G-buffer itself takes {buffer_seconds:.2f} s.")
 

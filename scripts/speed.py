@@ -4,8 +4,8 @@
     MESHDEPICT_DATA=… python scripts/speed.py --large     # and 3.5 million faces
 
 Prints Markdown: docs/speed.md is this output with a sentence round it. Best of several runs each,
-since whatever else a machine does only ever adds time. The larger meshes are made by
-make_large.py of the data folder.
+since whatever else a machine does only ever adds time. What is timed stands in `benchmarks/`. The
+larger meshes are made by make_large.py of the data folder.
 """
 
 from __future__ import annotations
@@ -13,69 +13,39 @@ from __future__ import annotations
 import os
 import platform
 import resource
-import subprocess
 import sys
-import tempfile
-import time
-from collections.abc import Callable
-from pathlib import Path
 
 import numpy as np
+from tables import head, row
 
 import meshdepict as md
+from benchmarks import lights, processes, scale_spaces, subjects
+from benchmarks.timing import best, statement_seconds
 from meshdepict.threads import thread_count
 
-
-def best(work: Callable[[], object], runs: int) -> float:
-    """Return the shortest time of several runs, in seconds."""
-    times = []
-    for _ in range(runs):
-        start = time.perf_counter()
-        work()
-        times.append(time.perf_counter() - start)
-    return min(times)
+MESHES = {"bunny": ("Stanford bunny", "0.8"), "bunny_144k": ("bunny_144k", "1.6")}
 
 
-def ready(path: Path) -> md.Mesh:
-    """Read a mesh and compute what does not belong to the scale space."""
-    mesh = md.read_mesh(path)
-    assert len(mesh.normals) == len(mesh.areas)
-    assert mesh.edge_length > 0
-    return mesh
-
-
-def row(*cells: object) -> None:
-    print("| " + " | ".join(str(cell) for cell in cells) + " |", flush=True)
-
-
-def head(*cells: str) -> None:
-    print()
-    row(*cells)
-    row(*("---" for _ in cells))
-
-
-def scale_spaces(meshes: dict[str, md.Mesh]) -> None:
+def making() -> None:
     head("scale space, 9 scales, facing 1, tolerance 1e-4", "vertices", "seconds", "aim")
-    for (name, mesh), aim in zip(meshes.items(), ("0.8", "1.6"), strict=False):
-        md.scale_space(mesh, scales=9)
-        row(
-            name, f"{len(mesh.vertices):,}", f"{best(lambda m=mesh: md.scale_space(m), 7):.2f}", aim
-        )
+    for subject, (name, aim) in MESHES.items():
+        seconds = best(scale_spaces.Making(), "time_making", subject, runs=7)
+        row(name, f"{len(subjects.mesh(subject).vertices):,}", f"{seconds:.2f}", aim)
 
 
-def trade(mesh: md.Mesh) -> None:
+def trade(subject: str) -> None:
     head(
         "tolerance, radians",
         "seconds, facing 1",
         "seconds, facing 0",
         "largest error met, facing 1",
     )
-    finest = 1e-7
+    mesh, finest = subjects.mesh(subject), min(scale_spaces.TOLERANCES)
     exact = md.scale_space(mesh, tolerance=finest).normals.astype(float)
-    for tolerance in (1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, finest):
+    for tolerance in scale_spaces.TOLERANCES:
         seconds = [
-            best(lambda f=f, t=tolerance: md.scale_space(mesh, tolerance=t, facing=f), 3)
-            for f in (1, 0)
+            best(scale_spaces.Tolerance(), "time_making", subject, tolerance, facing)
+            for facing in (1, 0)
         ]
         normals = md.scale_space(mesh, tolerance=tolerance).normals
         error = 2 * np.arcsin(np.linalg.norm(normals - exact, axis=2).max() / 2)
@@ -83,65 +53,42 @@ def trade(mesh: md.Mesh) -> None:
         row(f"{tolerance:g}", *(f"{s:.2f}" for s in seconds), met)
 
 
-def growth(mesh: md.Mesh) -> None:
+def growth(subject: str) -> None:
     head("one width, tolerance 1e-4", "seconds", "relative to the quickest")
-    times = {}
-    for edges in (1, 2, 4, 8, 16, 32, 64, 128, 300):
-        width = edges * mesh.edge_length
-        times[edges] = best(lambda w=width: md.scale_space(mesh, scales=1, width=w), 5)
+    times = {
+        edges: best(scale_spaces.OneWidth(), "time_making", subject, edges, runs=5)
+        for edges in scale_spaces.EDGES
+    }
     quickest = min(t for e, t in times.items() if e >= 4)
     for edges, seconds in times.items():
         row(f"{edges} edges", f"{seconds:.3f}", f"{seconds / quickest:.1f}" if edges >= 4 else "")
 
 
-def lights(mesh: md.Mesh) -> None:
-    space = md.scale_space(mesh, scales=9)
-    angles = iter(np.linspace(0, 360, 10_000))
-    md.shading.exaggerated(space, "northwest")
-    count = 50
-
-    def turn() -> None:
-        for _ in range(count):
-            md.shading.exaggerated(space, (next(angles), 30.0))
-
-    seconds = best(turn, 8) / count
+def new_light(subject: str) -> None:
+    seconds = best(lights.NewLight(), "time_shading", subject, runs=400)
     head("new light, exaggerated", "faces", "milliseconds", "a second", "aim")
-    row("9 scales", f"{len(mesh.faces):,}", f"{1e3 * seconds:.2f}", f"{1 / seconds:.0f}", "600")
+    faces = len(subjects.mesh(subject).faces)
+    row("9 scales", f"{faces:,}", f"{1e3 * seconds:.2f}", f"{1 / seconds:.0f}", "600")
 
 
-def processes(bunny: Path, folder: Path) -> None:
+def whole_processes(subject: str) -> None:
     head("whole process", "seconds", "aim")
-
-    def run(*arguments: str, cache: str | None = None) -> None:
-        env = os.environ | ({"NUMBA_CACHE_DIR": cache} if cache else {})
-        subprocess.run([sys.executable, *arguments], check=True, cwd=folder, env=env,
-                       stdout=subprocess.DEVNULL)  # fmt: skip
-
-    empty = best(lambda: run("-c", "pass"), 9)
-    loaded = best(lambda: run("-c", "import meshdepict"), 9)
-    row("import meshdepict, beyond Python itself", f"{loaded - empty:.3f}", "0.15")
-    with tempfile.TemporaryDirectory() as cache:
-        bake = ("-m", "meshdepict", "bake", str(bunny), "--force")
-        row(
-            "meshdepict bake bunny, very first run",
-            f"{best(lambda: run(*bake, cache=cache), 1):.1f}",
-            "20",
-        )
-        row(
-            "meshdepict bake bunny, caches warm",
-            f"{best(lambda: run(*bake, cache=cache), 5):.1f}",
-            "3",
-        )
+    seconds = statement_seconds(processes.Import().timeraw_package())
+    row("import meshdepict, beyond Python itself", f"{seconds:.3f}", "0.15")
+    for name, what, aim, runs in (
+        ("time_first_baking", "very first run", "20", 1),
+        ("time_baking", "caches warm", "3", 5),
+    ):
+        seconds = best(processes.Command(), name, subject, runs=runs)
+        row(f"meshdepict bake {subject}, {what}", f"{seconds:.1f}", aim)
 
 
-def large(path: Path) -> None:
+def large() -> None:
     head("3.5 million faces, 13 scales, tolerance 1e-3", "seconds", "aim")
-    start = time.perf_counter()
-    mesh = ready(path)
-    row("read, orient, normals, areas, edges", f"{time.perf_counter() - start:.1f}", "")
-    start = time.perf_counter()
-    md.scale_space(mesh, scales=13, tolerance=1e-3)
-    row("scale space", f"{time.perf_counter() - start:.1f}", "100")
+    os.environ["MESHDEPICT_HUGE"] = "1"
+    seconds = best(scale_spaces.Huge(), "time_reading", runs=1)
+    row("read, orient, normals, areas, edges", f"{seconds:.1f}", "")
+    row("scale space", f"{best(scale_spaces.Huge(), 'time_making', runs=1):.1f}", "100")
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024**2
     row("peak memory, GB", f"{peak:.2f}", "4")
 
@@ -149,26 +96,15 @@ def large(path: Path) -> None:
 def main() -> None:
     if "MESHDEPICT_DATA" not in os.environ:
         sys.exit("set MESHDEPICT_DATA to the folder of real scans")
-    data = Path(os.environ["MESHDEPICT_DATA"])
     print(f"{thread_count()} cores, {platform.processor() or platform.machine()}, Python "
           f"{platform.python_version()}, meshdepict {md.__version__}.")  # fmt: skip
-    with tempfile.TemporaryDirectory() as name:
-        folder = Path(name)
-
-        def made(preset: str) -> Path:
-            subprocess.run([sys.executable, str(data / "make_large.py"), preset, "--out", name],
-                           check=True, stdout=subprocess.DEVNULL)  # fmt: skip
-            return folder / f"{preset}.ply"
-
-        if "--large" in sys.argv:
-            large(made("arma_3500k"))
-        bunny = data / "mesh" / "bunny_69k.ply"
-        meshes = {"Stanford bunny": ready(bunny), "bunny_144k": ready(made("bunny_144k"))}
-        scale_spaces(meshes)
-        lights(meshes["bunny_144k"])
-        growth(meshes["bunny_144k"])
-        trade(meshes["Stanford bunny"])
-        processes(bunny, folder)
+    if "--large" in sys.argv:
+        large()
+    making()
+    new_light("bunny_144k")
+    growth("bunny_144k")
+    trade("bunny")
+    whole_processes("bunny")
 
 
 if __name__ == "__main__":

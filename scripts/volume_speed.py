@@ -14,42 +14,20 @@ from __future__ import annotations
 
 import argparse
 import resource
-import time
-from collections.abc import Callable
-from typing import Any
 
 import numpy as np
+from tables import row
 
-from meshdepict.baking.look import bake_volume
+from benchmarks.timing import Cost, costs
+from benchmarks.volumes import Baking, NewLight, Scipy, scipy_gradients
 from meshdepict.scales.grid_scales import GridSpace
-from meshdepict.shapes.phantom import ct_phantom
-from meshdepict.shapes.volume import Volume
 from meshdepict.threads import thread_count
-from meshdepict.voxels.grid_sums import BINDING, GRADIENT
-
-
-def row(*cells: object) -> None:
-    print("| " + " | ".join(str(cell) for cell in cells) + " |", flush=True)
-
-
-def seconds(work: Callable[[], Any]) -> tuple[float, float, Any]:
-    """Return the time on the wall and on all cores together, and the result."""
-    start, cpu = time.perf_counter(), time.process_time()
-    result = work()
-    return time.perf_counter() - start, time.process_time() - cpu, result
+from meshdepict.voxels.grid_sums import BINDING
 
 
 def peak() -> float:
     """Return the most memory that the process has had, in GB."""
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e6
-
-
-def scipy_gradients(volume: Volume, width: float, truncate: float) -> list[np.ndarray]:
-    from scipy.ndimage import gaussian_filter
-
-    values = volume.values.astype(np.float64)
-    widths = width / volume.spacing[::-1]
-    return [gaussian_filter(values, widths, order=o, truncate=truncate) for o in GRADIENT]
 
 
 def largest_angle(space: GridSpace, scale: int) -> float:
@@ -72,29 +50,32 @@ def main() -> None:
     parser.add_argument("--no-scipy", action="store_true")
     parser.add_argument("--errors", action="store_true", help="compare the normals, too: slow")
     args = parser.parse_args()
-    volume = ct_phantom((args.size,) * 3)
+    baking, light = Baking(), NewLight()
+
+    def shortest(benchmark: object, name: str, runs: int = 1) -> Cost:
+        return min(costs(benchmark, name, args.size, runs=runs), key=lambda cost: cost.clock)
+
+    first, most = shortest(baking, "time_baking"), peak()
+    space, volume = baking.baked.space, baking.volume
     low, high = volume.range
-    bake_volume(ct_phantom((24, 24, 24)))  # compiles, or loads what was compiled
-    before = peak()
-    first, cpu, baked = seconds(lambda: bake_volume(volume))
-    space = baked.space
-    light = min(seconds(lambda: bake_volume(space, light=(1, 0, 1)))[:2] for _ in range(5))
-    filled = min(seconds(lambda: bake_volume(space, light=(1, 0, 1)).rgba)[:2] for _ in range(3))
     row("", f"{volume.n_samples / 1e6:.1f} Mvoxel, {low:g} to {high:g} HU", "on all cores together")
     row("---", "---", "---")
     row("threads", thread_count(), "")
     row("shaded voxels", f"{len(space.points):,} ({space.shaded_share:.1%})", "")
-    row("scale space of 9 scales and first shading", f"{first:.2f} s", f"{cpu:.2f} s")
-    row("a new light, intensity", f"{light[0]:.3f} s", f"{light[1]:.3f} s")
-    row("a new light, with RGBA of all voxels", f"{filled[0]:.3f} s", f"{filled[1]:.3f} s")
-    row("most memory, and before with the volume", f"{peak():.2f} GB, {before:.2f} GB", "")
+    for what, cost in {
+        "scale space of 9 scales and first shading": first,
+        "a new light, intensity": shortest(light, "time_shading", 5),
+        "a new light, with RGBA of all voxels": shortest(light, "time_colours", 3),
+    }.items():
+        row(what, f"{cost.clock:.3f} s", f"{cost.processor:.3f} s")
+    row("most memory, with the volume", f"{most:.2f} GB", "")
     if not args.no_scipy:
-        total = [0.0, 0.0]
-        for width in space.widths[1:]:
-            wall, own, _ = seconds(lambda width=width: scipy_gradients(volume, width, 4))
-            total = [total[0] + wall, total[1] + own]
-        row("scipy's gaussian_filter, 3 a scale", f"{total[0]:.1f} s", f"{total[1]:.1f} s")
-        row("ratio", f"{total[0] / first:.1f}", f"{total[1] / cpu:.1f}")
+        plain = shortest(Scipy(), "time_gradients")
+        row(
+            "scipy's gaussian_filter, 3 a scale", f"{plain.clock:.1f} s", f"{plain.processor:.1f} s"
+        )
+        ratios = plain.clock / first.clock, plain.processor / first.processor
+        row("ratio", *(f"{ratio:.1f}" for ratio in ratios))
     if args.errors:
         worst = [largest_angle(space, scale) for scale in range(1, 10)]
         row("largest angle at each scale", ", ".join(f"{angle:.1e}" for angle in worst), "")

@@ -27,7 +27,12 @@ __all__ = ["gaussian_sums"]
 _MARGIN = 4.0
 _SPECTRAL_FLOOR = 1e-13  # what transforms in double precision can reach
 _TINY = 1e-290  # a Gaussian below this is zero in double precision
-_PAIR_SECONDS = 1.4e-9  # a pair of points and ten channels on one core, single precision
+
+# A pair of points and ten channels on one core, in single precision; and its shares: what a pair
+# costs without any channel, and each of them (scripts/cost_constants.py measures the three).
+_PAIR_SECONDS = 1.4e-9
+_PAIR_BASE = 0.4
+_PAIR_CHANNEL = 0.06
 
 
 def gaussian_sums(
@@ -144,4 +149,4 @@ def _direct_cost(
     squared = sum((f[:, None] - s) ** 2 for f, s in zip(few, some, strict=True))
     # Cells and batches are coarser than the ball: more pairs are computed than are needed.
     share = float(np.mean(squared <= (1.2 * radius) ** 2))
-    return share * len(wanted) * count * _PAIR_SECONDS * (0.4 + 0.06 * channels)
+    return share * len(wanted) * count * _PAIR_SECONDS * (_PAIR_BASE + _PAIR_CHANNEL * channels)

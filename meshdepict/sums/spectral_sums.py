@@ -23,9 +23,9 @@ __all__ = ["SINGLE_FLOOR", "Tile", "least_cost", "plan_tiles", "spectral_sums"]
 
 SINGLE_FLOOR = 5e-6  # error, relative to the largest mass, that single precision reaches here
 
-# Seconds of one core, measured with finufft 2.5 in single precision: a point and transform, for
-# each node of the fine grid that it is spread to; a cell of the fine grid and transform, as long
-# as the cache holds the grid and beyond. Double precision costs more.
+# Seconds of one core, measured with finufft 2.5 in single precision by scripts/cost_constants.py:
+# a point and transform, for each node of the fine grid that it is spread to; a cell of the fine
+# grid and transform, as long as the cache holds the grid and beyond. Double precision costs more.
 _SPREAD_SECONDS = 0.3e-9
 _FFT_SECONDS = 10e-9
 _CACHED_CELLS = 3e6

@@ -6,37 +6,14 @@ import re
 import shutil
 import subprocess
 import sys
-from pathlib import Path
 
 import pytest
+from house import ROOT, imported, modules, order
 
-ROOT = Path(__file__).resolve().parents[2]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 
 # Imports run from a later room to an earlier one, wherever they are written.
-ORDER = [
-    "errors options threads console",
-    "files",
-    "scene",
-    "color",
-    "surface",
-    "voxels",
-    "images",
-    "sums",
-    "shapes",
-    "io",
-    "curvature",
-    "transport",
-    "scales",
-    "shading",
-    "drawing",
-    "baking",
-    "congruence",
-    "viewer",
-    "commands",
-    "cli accessor __main__ __init__",
-]
-RANK = {name: i for i, names in enumerate(ORDER) for name in names.split()}
+RANK = {name: i for i, names in enumerate(order()) for name in names}
 
 
 def set_up_commands():
@@ -73,36 +50,9 @@ DOORS = {
 }
 
 
-def modules(root=ROOT):
-    """Every module's path by its name without the package's."""
-    found = {}
-    for path in sorted((root / "meshdepict").rglob("*.py")):
-        parts = path.relative_to(root / "meshdepict").with_suffix("").parts
-        found[".".join(parts[:-1] if parts[-1] == "__init__" and parts[1:] else parts)] = path
-    return found
-
-
 def imports(path, known):
     """Yield the modules that a file imports anywhere, and whether only when a function runs."""
-
-    def walk(node, *, lazy):
-        for child in ast.iter_child_nodes(node):
-            names = []
-            if isinstance(child, ast.Import):
-                names = [alias.name for alias in child.names]
-            elif isinstance(child, ast.ImportFrom):
-                assert not child.level, "relative"
-                names = [
-                    f"{child.module}.{alias.name}"
-                    if f"{child.module}.{alias.name}".removeprefix("meshdepict.") in known
-                    else child.module
-                    for alias in child.names
-                ]
-            for name in names:
-                yield name, lazy
-            yield from walk(child, lazy=lazy or isinstance(child, ast.FunctionDef))
-
-    yield from walk(ast.parse(path.read_text(encoding="utf-8")), lazy=False)
+    return imported(ast.parse(path.read_text(encoding="utf-8")), known)
 
 
 def arrows(root=ROOT):
