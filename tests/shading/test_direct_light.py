@@ -217,7 +217,9 @@ def test_a_bake_under_several_lights_or_an_environment(tmp_path, space):
 
     several = md.bake(space, "phong", light=["north", (90, 20)])
     assert several.provenance["light"].count(";") == 1
-    one = md.bake(space, "radiance_scaling", light=Environment(np.ones((8, 16, 3)), name="white"))
+    one = md.bake(
+        space, "radiance_scaling", light=Environment(np.full((8, 16, 3), 0.5), name="white")
+    )
     assert one.provenance["light"] == "white (16 x 8, up y)"
     assert one.intensity.shape == (len(space.points),)
     with pytest.raises(MeshdepictError, match="one light is needed here, not several"):
