@@ -48,9 +48,8 @@ def install(tmp_path):
 def methods(tmp_path, monkeypatch):
     """This package's methods, and those that were installed for a test."""
     monkeypatch.syspath_prepend(str(tmp_path))
-    before = set(sys.modules)
     yield Methods(OWN)
-    for name in set(sys.modules) - before:
+    for name in {path.stem for path in tmp_path.glob("*.py")} & set(sys.modules):
         del sys.modules[name]
 
 
