@@ -25,13 +25,15 @@ _SYMMETRIC = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
 class NormalSums:
     """Area-weighted Gaussian sums of a mesh's normals, and the directions they point in."""
 
-    def __init__(self, mesh: Mesh, facing: int, tolerance: float) -> None:
+    def __init__(
+        self, mesh: Mesh, normals: NDArray[np.float64], facing: int, tolerance: float
+    ) -> None:
         self.points = mesh._unit_points
         self.unit = mesh.diagonal or 1.0
         self.facing = facing
         self.tolerance = tolerance
         areas = mesh._unit_areas / (mesh._unit_areas.max() or 1.0)
-        n = mesh.normals.T
+        n = normals.T
         mass = [areas]
         first = list(areas * n)
         # F is linear in r·n_j: facing needs the second moments Σ A G n nᵀ and nothing else.
