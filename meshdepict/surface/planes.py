@@ -29,6 +29,7 @@ _PLANE = np.radians(1)  # from a plane's mean normal to those of its triangles
 # edges, or ends at creases all round.
 _LARGE = 25
 _CREASED = 0.99
+_WALLED = 0.01  # of all area: fewer that are small and walled are chance, too
 _NARROW = 4  # a bend to triangles so many times lower is theirs: a fillet's, not the plane's
 _TILTED = np.radians(0.5)  # normals nearer to the plane's than that are as good
 
@@ -145,6 +146,8 @@ def piecewise_normals(
         What points are rounded to.
     """
     surface = _Sides(points, faces, welded, turned, grain)
+    if not ((surface.angle > _SHARP) & (surface.partner >= 0)).any():
+        return None
     flat, plane = surface.planes(edge)
     if not flat.any():
         return None
@@ -214,7 +217,7 @@ class _Sides:
     def planes(self, edge: float) -> tuple[Bools, Floats]:
         """Return which triangles lie in planes (m,), and the normals of these (m, 3)."""
         count = len(self.area)
-        flat, plane = np.zeros(count, bool), self.normal.copy()
+        kinds, plane = (np.zeros(count, bool), np.zeros(count, bool)), self.normal.copy()
         sharp = (self.angle > _SHARP) | (self.partner < 0)
         wide = np.where(self.partner >= 0, self.height.reshape(-1)[self.partner], 0) * _NARROW
         ends = (self.bend <= _SMOOTH) | sharp | (wide < self.height)
@@ -238,12 +241,15 @@ class _Sides:
             walled = creased > _CREASED * np.bincount(region, border.sum(axis=1))
             walled &= np.bincount(region) > 1
             large = np.bincount(region, self.area) > _LARGE * edge**2
-            found = left & even & (large | walled)[region]
-            flat |= found & ends.all(axis=1)
-            plane[found] = mean[found]
-            left &= ~(even & left)
+            for kind, found in zip(kinds, (large, walled & ~large), strict=True):
+                kind |= left & even & found[region] & ends.all(axis=1)
+            plane[left & even] = mean[left & even]
+            left &= ~even
             limit /= 2
-        return flat, plane
+        large, walled = kinds
+        if self.area[walled].sum() > _WALLED * self.area.sum():
+            large |= walled
+        return large, plane
 
     def around(self, through: Bools) -> tuple[Ints, Ints]:
         """Return pairs of corners, 3 · face + corner, that meet at sides one may pass through."""

@@ -58,7 +58,8 @@ def edge_pairs(faces: Ints) -> Ints:
     """Return the edges of triangles as sorted pairs, each once, in lexical order."""
     size = int(faces.max()) + 1
     pairs = np.sort(np.concatenate([faces[:, :2], faces[:, 1:], faces[:, ::2]]), axis=1)
-    keys = np.unique(pairs[:, 0] * size + pairs[:, 1])
+    keys = np.sort(pairs[:, 0] * size + pairs[:, 1])
+    keys = keys[np.diff(keys, prepend=-1) > 0]
     edges = np.stack(np.divmod(keys, size), axis=1)
     return edges[edges[:, 0] != edges[:, 1]]
 
