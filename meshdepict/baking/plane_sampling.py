@@ -54,7 +54,7 @@ def with_sampled_planes(finer: FinerMesh, space: ScaleSpace) -> tuple[FinerMesh,
     assert pieces is not None
     again = mesh_space(
         sampled.mesh(), space.widths, space.ratio,
-        facing=space.facing, tolerance=space.tolerance, normals=pieces.vertices,
+        facing=space.facing, tolerance=space.tolerance, normals=(pieces.vertices, pieces.corners),
     )  # fmt: skip
     after = FinerMesh(again.shape, pieces)
     after.most = finer.most
