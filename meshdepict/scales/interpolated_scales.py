@@ -35,14 +35,24 @@ class InterpolatedSpace(ScaleSpace):
         For each sample the vertices of its triangle.
     weights : (n, 3) array of float
         Its barycentric coordinates there.
+    normals : (n, 3) array, optional
+        Unsmoothed ones, where they are not the vertices' interpolated: up to a crease.
     """
 
-    def __init__(self, source: ScaleSpace, corners: NDArray[Any], weights: NDArray[Any]) -> None:
+    def __init__(
+        self,
+        source: ScaleSpace,
+        corners: NDArray[Any],
+        weights: NDArray[Any],
+        *,
+        normals: NDArray[Any] | None = None,
+    ) -> None:
         self.source, self._corners = source, np.ascontiguousarray(corners)
         self._weights = np.ascontiguousarray(weights, np.float64)
         planes = np.empty((len(source.widths), 3, len(corners)), np.float32)
-        for scale, normals in enumerate(source.normals):
-            planes[scale] = self._unit(normals).T
+        for scale, vectors in enumerate(source.normals):
+            given = scale == 0 and normals is not None
+            planes[scale] = (normals if given else self._unit(vectors)).T  # type: ignore[union-attr]
         points = self._spread(source.shape._unit_points)
         points = points * (source.shape.diagonal or 1.0) + source.shape._centre
         super().__init__(

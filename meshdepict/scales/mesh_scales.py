@@ -74,14 +74,20 @@ def mesh_space(
     *,
     facing: int,
     tolerance: float,
+    normals: tuple[NDArray[np.float64], NDArray[np.float64]] | None = None,
     progress: Progress | None = None,
 ) -> MeshSpace:
-    """Return the normals of a mesh at every width; see `scale_space`."""
+    """Return the normals of a mesh at every width; see `scale_space`.
+
+    ``normals`` of the vertices (n, 3) and of the triangles' corners (m, 3, 3), unit, stand for the
+    mesh's own where somebody knows better: on both sides of creases.
+    """
+    own, corners = (mesh.normals, None) if normals is None else normals
     scales = len(widths) - 1
     planes = np.empty((scales + 1, 3, len(mesh.vertices)), np.float32)
-    planes[0] = mesh.normals.T
-    sums = NormalSums(mesh, facing, tolerance) if scales else None
-    reference: NDArray[Any] = mesh.normals.T
+    planes[0] = own.T
+    sums = NormalSums(mesh, facing, tolerance, corner_normals=corners) if scales else None
+    reference: NDArray[Any] = own.T
     for scale in range(1, scales + 1):
         assert sums is not None
         reference = sums.direction(widths[scale], reference, reporter(progress, scale, scales))

@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from meshdepict.surface.triangles import mixed_voronoi_areas
+
 if TYPE_CHECKING:
     from meshdepict.shapes.mesh import Mesh
 
@@ -25,18 +27,37 @@ _SYMMETRIC = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
 class NormalSums:
     """Area-weighted Gaussian sums of a mesh's normals, and the directions they point in."""
 
-    def __init__(self, mesh: Mesh, facing: int, tolerance: float) -> None:
+    def __init__(
+        self,
+        mesh: Mesh,
+        facing: int,
+        tolerance: float,
+        *,
+        corner_normals: NDArray[np.float64] | None = None,
+    ) -> None:
         self.points = mesh._unit_points
         self.unit = mesh.diagonal or 1.0
         self.facing = facing
         self.tolerance = tolerance
-        areas = mesh._unit_areas / (mesh._unit_areas.max() or 1.0)
-        n = mesh.normals.T
-        mass = [areas]
-        first = list(areas * n)
+        if corner_normals is None:
+            areas = mesh._unit_areas / (mesh._unit_areas.max() or 1.0)
+            self.channels = np.array(self._moments(areas, mesh.normals.T))
+            return
+        # What lies round a vertex on several sides of a crease counts with the normals of all.
+        points, apart = self.points[mesh.faces.ravel()], np.arange(mesh.faces.size).reshape(-1, 3)
+        areas = mixed_voronoi_areas(points, apart)
+        moments = self._moments(areas, corner_normals.reshape(-1, 3).T)
+        at, count = mesh.faces.ravel(), len(self.points)
+        self.channels = np.array([np.bincount(at, moment, minlength=count) for moment in moments])
+        self.channels /= self.channels[0].max() or 1.0
+
+    def _moments(
+        self, areas: NDArray[np.float64], n: NDArray[np.float64]
+    ) -> list[NDArray[np.float64]]:
+        """Return what is to be summed: A, A n and, for facing, A n nᵀ, of normals (3, n)."""
         # F is linear in r·n_j: facing needs the second moments Σ A G n nᵀ and nothing else.
-        second = [areas * n[a] * n[b] for a, b in _SYMMETRIC] if facing else []
-        self.channels = np.array(mass + first + second)
+        second = [areas * n[a] * n[b] for a, b in _SYMMETRIC] if self.facing else []
+        return [areas, *(areas * n), *second]
 
     def direction(
         self, width: float, reference: NDArray[Any], done: Callable[[float], None] | None

@@ -14,6 +14,7 @@ from meshdepict.shapes.mesh import Mesh
 from meshdepict.shapes.samples import sphere as make_sphere
 from meshdepict.shapes.samples import torus
 from meshdepict.surface.edges import is_balanced
+from meshdepict.surface.splitting import edge_pairs, split_faces
 
 LOCAL = [name for name, function in METHODS.items() if declaration(function).local]
 
@@ -97,13 +98,13 @@ def test_opposite_normals_leave_the_nearest():
 
 @pytest.mark.parametrize("share", [0.0, 0.05, 0.5, 1.0])
 def test_splitting_leaves_no_gaps_and_keeps_area_and_winding(ball, rng, share):
-    edges = refinement._edges(ball.faces)
+    edges = edge_pairs(ball.faces)
     chosen = edges[rng.random(len(edges)) < share]
     if len(chosen) == 0:
         chosen = edges[:1]
     number = len(ball.vertices) + np.arange(len(chosen))
     vertices = np.concatenate([ball.vertices, ball.vertices[chosen].mean(axis=1)])
-    faces, parent = refinement.split_faces(ball.faces, chosen, number)
+    faces, parent = split_faces(ball.faces, chosen, number)
     assert is_balanced(faces, len(vertices))
     whole = np.bincount(parent, face_areas(vertices, faces))
     np.testing.assert_allclose(whole, face_areas(ball.vertices, ball.faces), rtol=1e-12)
