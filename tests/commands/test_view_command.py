@@ -1,9 +1,7 @@
 import sys
-import types
 
 import pytest
 
-from meshdepict import viewer
 from meshdepict.baking.recipe import save_recipe
 
 pytest.importorskip("pyvista")
@@ -18,11 +16,10 @@ def no_display(monkeypatch):
 @pytest.fixture
 def pages(monkeypatch):
     """Sessions that would have been served to a browser."""
+    from meshdepict.viewer.browser import server
+
     served = []
-    page = types.ModuleType("meshdepict.viewer.browser")
-    page.serve = lambda session, **how: served.append((session, how))
-    monkeypatch.setitem(sys.modules, page.__name__, page)
-    monkeypatch.setattr(viewer, "browser", page, raising=False)
+    monkeypatch.setattr(server, "serve", lambda session, **how: served.append((session, how)))
     return served
 
 
