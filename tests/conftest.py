@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from promises import promises, watched_functions  # noqa: F401
 
 from meshdepict import threads
 from meshdepict.shapes import samples

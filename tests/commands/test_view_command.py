@@ -16,10 +16,11 @@ def no_display(monkeypatch):
 @pytest.fixture
 def pages(monkeypatch):
     """Sessions that would have been served to a browser."""
-    from meshdepict.viewer.browser import server
+    from meshdepict.viewer import browser
 
     served = []
-    monkeypatch.setattr(server, "serve", lambda session, **how: served.append((session, how)))
+    for place in (browser, browser.server):  # wherever the command looks: a real one never ends
+        monkeypatch.setattr(place, "serve", lambda session, **how: served.append((session, how)))
     return served
 
 
