@@ -6,15 +6,27 @@ import os
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
-import numpy as np
+import side_by_side  # before NumPy: it says how many threads
+import numpy as np  # isort: skip
 import pytest
 from promises import promises, watched_functions  # noqa: F401
+from side_by_side import pytest_xdist_auto_num_workers, share_of_threads  # noqa: F401
 
 from meshdepict import threads
 from meshdepict.shapes import samples
 from meshdepict.shapes.mesh import Mesh
 
 DATA = os.environ.get("MESHDEPICT_DATA")
+
+# A test that uses one of these fixtures gets the marker.
+MARKERS = {"tab": "browser", "data": "data"}
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Mark what needs a browser or real data, so that it can be left out by name."""
+    for item in items:
+        for fixture in MARKERS.keys() & set(getattr(item, "fixturenames", ())):
+            item.add_marker(MARKERS[fixture])
 
 
 @pytest.fixture(scope="session")

@@ -10,7 +10,8 @@ from meshdepict.errors import MeshdepictError
 
 
 @pytest.fixture(autouse=True)
-def all_cores_again():
+def all_cores():
+    threads.limit(None)
     yield
     threads.limit(None)
 
