@@ -6,10 +6,9 @@ import os
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
-import side_by_side  # before NumPy: it says how many threads
-import numpy as np  # isort: skip
+import numpy as np
 import pytest
-from promises import promises, watched_functions  # noqa: F401
+from promises import promises, watch_parameters, watched_functions  # noqa: F401
 from side_by_side import pytest_xdist_auto_num_workers, share_of_threads  # noqa: F401
 
 from meshdepict import threads
@@ -25,6 +24,7 @@ MARKERS = {"tab": "browser", "data": "data"}
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Mark what needs a browser or real data, so that it can be left out by name."""
     for item in items:
+        watch_parameters(item)
         for fixture in MARKERS.keys() & set(getattr(item, "fixturenames", ())):
             item.add_marker(MARKERS[fixture])
 

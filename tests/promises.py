@@ -55,17 +55,29 @@ def arrays_of(thing: Any, depth: int = 0) -> Iterator[np.ndarray]:
         if len(thing) < 1000:  # longer ones are numbers
             for value in thing:
                 yield from arrays_of(value, depth)
-    elif type(thing).__module__.startswith("meshdepict.") and hasattr(thing, "__dict__"):
-        if depth < 2:  # a scale space and its shape
-            yield from arrays_of(vars(thing), depth + 1)
+    elif depth < 2 and is_ours(thing) and hasattr(thing, "__dict__"):
+        yield from arrays_of(vars(thing), depth + 1)  # a scale space's, and its shape's
+
+
+def is_ours(thing: Any) -> bool:
+    home = thing.__module__ if isinstance(thing, types.FunctionType) else type(thing).__module__
+    return home.startswith("meshdepict.")
 
 
 def is_public(thing: Any) -> bool:
     return (
         isinstance(thing, types.FunctionType)
-        and thing.__module__.startswith("meshdepict.")
+        and is_ours(thing)
         and not thing.__name__.startswith("_")
     )
+
+
+def watch_parameters(item: pytest.Item) -> None:
+    """Watch the functions that a test is parametrised with, too."""
+    values = item.callspec.params if hasattr(item, "callspec") else {}
+    for name, value in values.items():
+        if is_public(value):
+            values[name] = watched(value)
 
 
 @pytest.fixture(scope="module", autouse=True)

@@ -13,9 +13,6 @@ WORKERS = int(os.environ.get("PYTEST_XDIST_WORKER_COUNT", "1"))
 # Each process has about a GB of scans, and no file of tests is more than an eighth of the whole.
 MOST = 8
 
-if WORKERS > 1:  # other processes have the other cores; said before NumPy is imported
-    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-
 
 def pytest_xdist_auto_num_workers(config: pytest.Config) -> int | None:
     """One process a core; none beside this one for a single file, which is done before they start.
@@ -30,6 +27,7 @@ def pytest_xdist_auto_num_workers(config: pytest.Config) -> int | None:
     cores = threads.thread_count()
     if cores == 1 or (len(files) == 1 and files.pop().endswith(".py")):
         return 0
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # the others have the other cores
     return min(cores, MOST)
 
 
