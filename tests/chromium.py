@@ -13,6 +13,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from conftest import PATIENCE
 
 NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome")
 QUIET = (
@@ -44,7 +45,7 @@ class Chromium:
             stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
         )  # fmt: skip
         written = folder / "DevToolsActivePort"
-        self._until(lambda: written.exists() and written.read_text().count("\n"), 20)
+        self.until(lambda: written.exists() and written.read_text().count("\n"))
         port = written.read_text().split()[0]
         self._run(self._connect(port))
         for domain in ("Page", "Runtime", "Network", "Log"):
@@ -61,10 +62,11 @@ class Chromium:
         self._socket = await self._client.ws_connect(address, max_msg_size=0)
 
     def _run(self, coroutine):
-        return self._loop.run_until_complete(asyncio.wait_for(coroutine, 60))
+        return self._loop.run_until_complete(asyncio.wait_for(coroutine, PATIENCE))
 
-    def _until(self, done, seconds: float):
-        end = time.monotonic() + seconds
+    def until(self, done):
+        """Wait until a function returns something true; return it."""
+        end = time.monotonic() + PATIENCE
         while not (found := done()):
             assert time.monotonic() < end, "the browser took too long"
             time.sleep(0.02)
@@ -109,9 +111,9 @@ class Chromium:
         assert "exceptionDetails" not in said, said["exceptionDetails"]
         return said["result"].get("value")
 
-    def wait(self, text: str, seconds: float = 20):
+    def wait(self, text: str):
         """Wait until an expression is true; return it."""
-        return self._until(lambda: self.js(text), seconds)
+        return self.until(lambda: self.js(text))
 
     def resize(self, width: int, height: int, *, mobile: bool = False) -> None:
         self.call(
@@ -169,7 +171,7 @@ class Chromium:
         self._run(leave())
         self._loop.close()
         self._process.terminate()
-        self._process.wait(10)
+        self._process.wait(PATIENCE)
 
 
 @pytest.fixture(scope="module")

@@ -17,6 +17,10 @@ from meshdepict.shapes.mesh import Mesh
 
 DATA = os.environ.get("MESHDEPICT_DATA")
 
+# Seconds until a test gives up on another program or thread. Only one that hangs takes them: on
+# two free cores none takes six, and some machines are busy and ten times slower.
+PATIENCE = 600
+
 # A test that uses one of these fixtures gets the marker.
 MARKERS = {"tab": "browser", "data": "data"}
 

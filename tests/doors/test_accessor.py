@@ -13,6 +13,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import pyvista as pv
+from conftest import PATIENCE
 
 import meshdepict as md
 from meshdepict import MeshdepictError, accessor
@@ -303,7 +304,7 @@ def test_a_volume_gets_the_colors_of_bake_volume():
 def run_python(code, tmp_path, **environment):
     return subprocess.run(
         [sys.executable, "-W", "error::UserWarning", "-c", textwrap.dedent(code)],
-        capture_output=True, text=True, timeout=300, check=False, cwd=tmp_path,
+        capture_output=True, text=True, timeout=PATIENCE, check=False, cwd=tmp_path,
         env={**os.environ, **environment},
     )  # fmt: skip
 
@@ -357,7 +358,10 @@ def test_notebooks_show_it(backend, tmp_path):
         )
     notebook = nbformat.v4.new_notebook(cells=[nbformat.v4.new_code_cell(cell) for cell in cells])
     client = nbclient.NotebookClient(
-        notebook, timeout=240, kernel_name="python3", resources={"metadata": {"path": tmp_path}}
+        notebook,
+        timeout=PATIENCE,
+        kernel_name="python3",
+        resources={"metadata": {"path": tmp_path}},
     )
     client.execute()
     results = [

@@ -5,6 +5,7 @@ import subprocess
 import sys
 
 import pytest
+from conftest import PATIENCE
 
 import meshdepict as md
 from meshdepict.baking import batch
@@ -57,7 +58,7 @@ def test_light_commands_load_no_heavy_modules(ball_ply, words, heavy):
         f"assert main({words.split()!r}) == 0; print(*{heavy!r} & {{*sys.modules}})"
     )
     command = [sys.executable, "-c", code]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=120, check=True)
+    done = subprocess.run(command, capture_output=True, text=True, timeout=PATIENCE, check=True)
     assert done.stdout.splitlines()[-1] == ""
 
 
@@ -187,7 +188,7 @@ def start(*words, **streams):
 def test_a_closed_pipe_is_silent():
     process = start("methods", stdout=subprocess.PIPE)
     process.stdout.close()
-    assert process.communicate(timeout=60)[1] == b""
+    assert process.communicate(timeout=PATIENCE)[1] == b""
     assert process.returncode == 128 + 13  # as shells count: SIGPIPE
 
 
@@ -195,6 +196,6 @@ def test_a_closed_pipe_is_silent():
 def test_a_full_disk_behind_stdout_is_one_line():
     with open("/dev/full", "w") as full:
         process = start("methods", stdout=full)
-        (line,) = process.communicate(timeout=60)[1].splitlines()
+        (line,) = process.communicate(timeout=PATIENCE)[1].splitlines()
     assert process.returncode == 2
     assert line.startswith(b"meshdepict: the output: ")

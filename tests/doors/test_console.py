@@ -7,6 +7,7 @@ import warnings
 from pathlib import Path
 
 import pytest
+from conftest import PATIENCE
 
 import meshdepict as md
 from meshdepict import console
@@ -26,16 +27,18 @@ def test_long_work_shows_a_bar_on_a_terminal(ball_ply, monkeypatch, capsys, quie
     monkeypatch.setattr(sys, "stderr", terminal)
     monkeypatch.setenv("TERM", "xterm")
     monkeypatch.setattr(console, "_PATIENCE", 0.0)
-    monkeypatch.setattr(batch, "read_mesh", lambda *_, **__: pause(ball_ply))
+
+    def read(*_, **__):
+        """Give the bar's thread the time to appear; where none should, a little."""
+        end = time.monotonic() + (0.2 if quiet else PATIENCE)
+        while not terminal.getvalue() and time.monotonic() < end:
+            time.sleep(0.01)
+        return ball_ply
+
+    monkeypatch.setattr(batch, "read_mesh", read)
     assert main(["bake", "ball.ply", *["--quiet"] * quiet]) == 0
     assert ("ball.ply" in terminal.getvalue()) is not quiet
     assert capsys.readouterr().out.startswith("ball-exaggerated.ply: ")
-
-
-def pause(mesh):
-    """Give the bar's thread the time to appear."""
-    time.sleep(0.2)
-    return mesh
 
 
 def test_short_work_shows_no_bar(ball_ply, monkeypatch):

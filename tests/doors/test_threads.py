@@ -4,6 +4,7 @@ import time
 from itertools import pairwise
 
 import pytest
+from conftest import PATIENCE
 
 from meshdepict import threads
 from meshdepict.errors import MeshdepictError
@@ -47,20 +48,22 @@ def test_reports_come_from_the_calling_thread_after_the_work(count):
 
 def test_pieces_run_side_by_side():
     threads.limit(2)
-    meeting = threading.Barrier(2, timeout=10)
+    meeting = threading.Barrier(2, timeout=PATIENCE)
     threads.each(meeting.wait, [(), ()])  # one alone would wait for ever
 
 
 def test_no_more_threads_than_the_limit_run_at_once():
     threads.limit(2)
     running, most, lock = 0, 0, threading.Lock()
+    meeting = threading.Barrier(2, timeout=PATIENCE)
 
     def work():
         nonlocal running, most
         with lock:
             running += 1
             most = max(most, running)
-        time.sleep(0.002)
+        meeting.wait()
+        time.sleep(0.002)  # for a third to show
         with lock:
             running -= 1
 
@@ -84,7 +87,7 @@ def test_an_error_goes_on_and_drops_what_has_not_begun(count, error, where):
         worked.append(i)
         if where == "work" and i == 3:
             raise error("piece 3")
-        time.sleep(0.001)
+        time.sleep(0.02)  # ten seconds for all, in which somebody hears of it
 
     def report(i):
         if where == "report":
@@ -109,7 +112,7 @@ def test_several_callers_at_once():
     for thread in callers:
         thread.start()
     for thread in callers:
-        thread.join(timeout=20)
+        thread.join(timeout=PATIENCE)
     assert results == [list(range(200))] * 4
 
 

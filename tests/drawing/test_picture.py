@@ -6,6 +6,7 @@ import sys
 
 import numpy as np
 import pytest
+from conftest import PATIENCE
 from PIL import Image
 
 import meshdepict as md
@@ -212,7 +213,8 @@ def test_the_command_line_renders_without_a_display_or_a_word(tmp_path):
     for light in ("east", "west"):  # the second replaces the first: the picture is known as ours
         done = subprocess.run(
             [sys.executable, "-m", "meshdepict", *words, "--light", light],
-            cwd=tmp_path, env=environment, capture_output=True, text=True, timeout=120, check=False,
+            cwd=tmp_path, env=environment, capture_output=True, text=True, timeout=PATIENCE,
+            check=False,
         )  # fmt: skip
         assert (done.returncode, done.stderr) == (0, "")
         (line,) = done.stdout.splitlines()

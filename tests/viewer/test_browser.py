@@ -15,6 +15,7 @@ from urllib.parse import urlsplit
 import numpy as np
 import pytest
 from chromium import tab  # noqa: F401
+from conftest import PATIENCE
 
 from meshdepict import bake
 from meshdepict.errors import MeshdepictError
@@ -54,7 +55,7 @@ class Served:
 
     def get(self, path, *, method="GET", host=None, cookie=True, **headers):
         """Ask with the browser's cookie, or without; return status, body and headers."""
-        line = http.client.HTTPConnection("127.0.0.1", self.port, timeout=20)
+        line = http.client.HTTPConnection("127.0.0.1", self.port, timeout=PATIENCE)
         line.putrequest(method, path, skip_host=True)  # as written: nobody tidies the path
         line.putheader("Host", host or self.host)
         if cookie:
@@ -70,7 +71,7 @@ class Served:
     def end(self):
         """Ctrl-C; return status, the rest of stdout, and stderr."""
         self.process.send_signal(signal.SIGINT)
-        out, err = self.process.communicate(timeout=20)
+        out, err = self.process.communicate(timeout=PATIENCE)
         return self.process.returncode, out, err
 
     def __enter__(self):
@@ -240,7 +241,7 @@ class Page:
     def __init__(self, tab, served):  # noqa: F811
         self.tab = tab
         tab.open(served.address)
-        tab.wait(SMOOTH, 40)
+        tab.wait(SMOOTH)
 
     def revision(self):
         return int(self.tab.js("document.querySelector('canvas').dataset.revision"))
@@ -323,8 +324,8 @@ def test_the_light_follows_the_pad_and_the_keys(page):
     middle = np.array([x + width / 2, y + height / 2])
     first = page.tab.canvas()
     page.after(lambda: page.tab.drag(middle, middle + 0.25 * width))
-    said = page.tab.js("document.querySelector('.pad').getAttribute('aria-label')")
-    assert "azimuth 135°" in said
+    label = "document.querySelector('.pad').getAttribute('aria-label')"
+    page.tab.wait(f"{label}.includes('azimuth 135°')")
     lit = page.tab.canvas("browser-light")
     assert np.abs(lit.astype(int) - first).mean() > 2
     page.after(lambda: page.set("elevation", 80, "change"))
@@ -374,7 +375,7 @@ def test_a_save_button_hands_the_browser_a_file(page, tmp_path):
     page.tab.call("Browser.setDownloadBehavior", behavior="allow", downloadPath=str(tmp_path))
     page.click("save-recipe")
     path = tmp_path / "ball-exaggerated.toml"
-    page.tab._until(lambda: path.exists() and path.read_text(), 20)
+    page.tab.until(lambda: path.exists() and path.read_text())
     assert tomllib.loads(path.read_text())["method"] == "exaggerated"
 
 
