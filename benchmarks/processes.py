@@ -25,6 +25,14 @@ sys.exit(main(words))
 """
 
 
+# What a process had at most. One that is started has what its parent had then, so a small one does.
+PEAK = """
+import resource, subprocess, sys
+subprocess.run(sys.argv[1:], check=True)
+print(resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss)
+"""
+
+
 @functools.cache
 def _bytecode() -> tempfile.TemporaryDirectory[str]:
     """Return a folder of compiled modules, as an installed package has them."""
@@ -42,13 +50,16 @@ class _Processes:
     def teardown(self, *_: str) -> None:
         self.folder.cleanup()
 
-    def run(self, *words: str, cache: Path | None = None) -> None:
+    def run(self, *words: str, cache: Path | None = None) -> str:
         """Run Python with these words; with a cache of compiled kernels other than the usual."""
         env = {key: value for key, value in os.environ.items() if key != "PYTHONDONTWRITEBYTECODE"}
         env |= {"NUMBA_CACHE_DIR": str(cache)} if cache else {}
         env["PYTHONPYCACHEPREFIX"] = _bytecode().name
-        subprocess.run([sys.executable, *words], check=True, env=env, cwd=self.folder.name,
-                       stdout=subprocess.DEVNULL)  # fmt: skip
+        line = [sys.executable, *words]
+        done = subprocess.run(
+            line, check=True, env=env, cwd=self.folder.name, stdout=subprocess.PIPE, text=True
+        )
+        return done.stdout
 
 
 class Import:
@@ -75,6 +86,11 @@ class Command(_Processes):
 
     def time_baking(self, subject: str) -> None:
         self.run(*self.words)
+
+    def track_memory(self, subject: str) -> int:
+        return 1024 * int(self.run("-c", PEAK, sys.executable, *self.words).split()[-1])
+
+    track_memory.unit = "bytes"
 
     def time_first_baking(self, subject: str) -> None:
         with tempfile.TemporaryDirectory(dir=self.folder.name) as empty:

@@ -12,7 +12,7 @@ processors have, not after every run; the same constants give the same bits ever
 from __future__ import annotations
 
 import argparse
-import resource
+import functools
 from collections.abc import Iterator
 
 import numpy as np
@@ -21,7 +21,7 @@ from tables import ROOT
 from benchmarks import subjects
 from benchmarks.processes import Command
 from benchmarks.sums import CELLS, ERROR, Direct, Grid, Points
-from benchmarks.timing import Cost, costs
+from benchmarks.timing import Cost, cost, costs
 from meshdepict.sums import spectral_sums as spectral
 
 GAUSSIAN, SPECTRAL, REPORT = (
@@ -34,7 +34,7 @@ Constant = tuple[str, str, float]  # module, name, value
 
 def quickest(taken: list[Cost]) -> float:
     """Return the shortest processor time: the clock also counts what other programs do."""
-    return min(cost.processor for cost in taken)
+    return min(each.processor for each in taken)
 
 
 def least(benchmark: object, *params: object, runs: int) -> float:
@@ -91,11 +91,16 @@ def per_cell(asked: int, runs: int) -> tuple[float, float]:
 def bakes(runs: int) -> Iterator[Constant]:
     """Yield core-seconds and bytes of a default bake: of the program itself, and of a vertex."""
     seconds, sizes = [], []
-    for count in BAKES:  # the smaller one first: the largest child process is what is remembered
+    for count in BAKES:
         subjects.BALLS[str(count)] = count
-        taken = costs(Command(), "time_baking", str(count), runs=runs)
-        seconds.append(quickest(taken))
-        sizes.append(1024 * resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss)
+        command = Command()
+        command.setup(str(count))
+        try:
+            work = functools.partial(command.time_baking, str(count))
+            seconds.append(quickest([cost(work) for _ in range(runs)]))
+            sizes.append(command.track_memory(str(count)))
+        finally:
+            command.teardown(str(count))
     span = BAKES[1] - BAKES[0]
     for name, (small, large) in (("SECONDS", seconds), ("BYTES", sizes)):
         slope = (large - small) / span

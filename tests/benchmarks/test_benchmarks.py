@@ -55,7 +55,7 @@ def smallest(each: type) -> tuple[object, ...]:
     )
 
 
-def test_what_the_issue_of_speed_is_about_has_a_benchmark():
+def test_what_people_wait_for_has_a_benchmark():
     """The expensive step, a new light, whole processes, CT and pixels; memory of each shape."""
     modules = {name.split(".")[1] for name in ALL}
     assert modules >= {

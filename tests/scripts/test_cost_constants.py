@@ -55,16 +55,20 @@ def test_every_constant_of_the_sums_is_printed_once(script):
 
 def test_a_prediction_is_made_of_the_constants_that_the_script_prints(script, monkeypatch):
     """Costs that grow as a line are found to be that line."""
-    report, counts = importlib.import_module(script.REPORT), iter(script.BAKES)
-    grown = []
+    report, count = importlib.import_module(script.REPORT), script.BAKES[0]
 
-    def costs(*_, **__):
-        grown.append(next(counts))
-        return [script.Cost(0.0, 2.0 + 3e-5 * grown[-1])]
+    class Command:
+        def setup(self, subject):
+            nonlocal count
+            count = int(subject)
 
-    usage = type("Usage", (), {"ru_maxrss": property(lambda _: (5e8 + 700 * grown[-1]) / 1024)})
-    monkeypatch.setattr(script, "costs", costs)
-    monkeypatch.setattr(script.resource, "getrusage", lambda _: usage())
+        teardown = time_baking = setup
+
+        def track_memory(self, subject):
+            return 5e8 + 700 * int(subject)
+
+    monkeypatch.setattr(script, "Command", Command)
+    monkeypatch.setattr(script, "cost", lambda _: script.Cost(0.0, 2.0 + 3e-5 * count))
     found = {name: value for _, name, value in script.bakes(1)}
     assert set(found) == set(constants(script.REPORT))
     assert found == pytest.approx({
