@@ -6,21 +6,39 @@ import sys
 import threading
 import warnings
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from meshdepict.errors import MeshdepictWarning
 
-__all__ = ["FAULT", "about", "complain", "notes", "progress_bar"]
+__all__ = ["FAULT", "about", "complain", "notes", "plain", "progress_bar", "say"]
 
 FAULT = 2  # exit status of wrong input
+_BLANKS = "\n\u00a0\u2007\u2009\u202f"  # no letters to Python, but harmless
 _PATIENCE = 0.5  # seconds without a sign of life
 
 
+def plain(text: str) -> str:
+    """Return a text for a terminal: what files hold must not give it orders."""
+    return "".join(
+        letter
+        if letter.isprintable() or letter in _BLANKS
+        else letter.encode("unicode_escape").decode()
+        for letter in text
+    )
+
+
+def say(text: str) -> None:
+    """Print a result on stdout."""
+    print(plain(text), flush=True)  # noqa: T201
+
+
 def complain(message: object) -> None:
-    """Print one line on stderr."""
-    line = " ".join(str(message).split())
-    print(f"meshdepict: {line}", file=sys.stderr, flush=True)  # noqa: T201
+    """Print one line on stderr; where there is nobody to read it, nothing."""
+    line = plain(" ".join(str(message).split()))
+    if sys.stderr is not None:
+        with suppress(OSError):  # a closed pipe
+            print(f"meshdepict: {line}", file=sys.stderr, flush=True)  # noqa: T201
 
 
 def about(path: Path | None, message: object) -> str:
@@ -50,7 +68,7 @@ def progress_bar(label: str, *, quiet: bool) -> Iterator[Callable[[float, float]
 
     The bar appears when the work has lasted for half a second, and is gone at its end.
     """
-    if quiet or not sys.stderr.isatty():
+    if quiet or sys.stderr is None or not sys.stderr.isatty():
         yield None
         return
     from rich.console import Console
@@ -58,7 +76,7 @@ def progress_bar(label: str, *, quiet: bool) -> Iterator[Callable[[float, float]
 
     columns = (TextColumn("{task.description}", markup=False), BarColumn(), TimeRemainingColumn())
     bar = Progress(*columns, console=Console(stderr=True), transient=True)
-    task = bar.add_task(label, total=None)
+    task = bar.add_task(plain(label), total=None)
     timer = threading.Timer(_PATIENCE, bar.start)
     timer.daemon = True
     timer.start()

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from meshdepict import threads
+from meshdepict.files import limits
 from meshdepict.shapes import samples
 from meshdepict.shapes.mesh import Mesh
 
@@ -53,11 +54,12 @@ def rng() -> np.random.Generator:
 
 @pytest.fixture
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
-    """An empty current folder; a command's --threads is not the next test's."""
+    """An empty current folder; a command's --threads and --max-memory are not the next test's."""
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("COLUMNS", "100")
     yield tmp_path
     threads.limit(None)
+    limits.set_max_memory(None)
 
 
 @pytest.fixture

@@ -8,7 +8,7 @@ from typing import Annotated
 from cyclopts import Parameter
 
 from meshdepict.commands.parameters import Everywhere, takes_words
-from meshdepict.console import FAULT, about, complain, notes
+from meshdepict.console import FAULT, about, complain, notes, say
 from meshdepict.errors import MeshdepictError
 
 __all__ = ["info"]
@@ -40,5 +40,5 @@ def info(
             complain(about(path, error))
             failed += 1
         else:
-            print(text, end="\n\n" if path is not inputs[-1] else "\n", flush=True)  # noqa: T201
+            say(text if path is inputs[-1] else f"{text}\n")
     return FAULT if failed else 0

@@ -17,6 +17,7 @@ from cyclopts import Group, Parameter
 from meshdepict import threads
 from meshdepict.baking.choices import Choices, choice_fields
 from meshdepict.errors import MeshdepictError
+from meshdepict.files.limits import set_max_memory
 
 if TYPE_CHECKING:
     from meshdepict.baking.look import Look
@@ -86,10 +87,19 @@ class Everywhere:
             help="Cores to use; all unless given.",
         ),
     ] = None
+    max_memory: Annotated[
+        str | None,
+        Parameter(
+            group=EVERYWHERE,
+            help="What the contents of a file may take, such as 4GB; unless given, half of the "
+            "machine's memory, and less for small files.",
+        ),
+    ] = None
 
     def obey(self) -> None:
         """Limit what the program may take of the machine."""
         threads.limit(self.cores)
+        set_max_memory(self.max_memory)
 
 
 # --- figures ----------------------------------------------------------------------------------
