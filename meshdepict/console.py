@@ -6,7 +6,7 @@ import sys
 import threading
 import warnings
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from meshdepict.errors import MeshdepictWarning, printable
@@ -17,15 +17,17 @@ FAULT = 2  # exit status of wrong input
 _PATIENCE = 0.5  # seconds without a sign of life
 
 
-def say(text: str, *, end: str = "\n") -> None:
+def say(text: str) -> None:
     """Print lines on stdout; names in them, which are other people's, steer no terminal."""
-    print(printable(text, keep="\n"), end=end, flush=True)  # noqa: T201
+    print(printable(text, keep="\n"), flush=True)  # noqa: T201
 
 
 def complain(message: object) -> None:
-    """Print one line on stderr."""
+    """Print one line on stderr; where there is nobody to read it, nothing."""
     line = printable(" ".join(str(message).split()))
-    print(f"meshdepict: {line}", file=sys.stderr, flush=True)  # noqa: T201
+    if sys.stderr is not None:
+        with suppress(OSError):  # a closed pipe
+            print(f"meshdepict: {line}", file=sys.stderr, flush=True)  # noqa: T201
 
 
 def about(path: Path | None, message: object) -> str:
@@ -73,7 +75,7 @@ def progress_bar(label: str, *, quiet: bool) -> Iterator[Callable[[float, float]
 
     The bar appears when the work has lasted for half a second, and is gone at its end.
     """
-    if quiet or not sys.stderr.isatty():
+    if quiet or sys.stderr is None or not sys.stderr.isatty():
         yield None
         return
     from rich.console import Console

@@ -18,6 +18,7 @@ from meshdepict.io.volumes import WRITABLE_VOLUMES, write_volume
 
 LINE = "meshdepict method: lambert"
 YES, NO = "kept", "–"
+_MARKS = (b"lambert", b'Name="meshdepict"')  # in plain, or packed by VTK
 
 
 def mesh_table(folder: Path) -> list[str]:
@@ -74,7 +75,7 @@ def volume_table(folder: Path) -> list[str]:
         data = path.read_bytes()
         lines.append(
             f"| {suffix} | {'RGBA, 8 bit' if np.array_equal(back, rgba) else NO} "
-            f"| {'kept' if place else NO} | {YES if b'lambert' in data or b'Name="meshdepict"' in data else NO} |"
+            f"| {'kept' if place else NO} | {YES if any(m in data for m in _MARKS) else NO} |"
         )
     return lines
 

@@ -40,5 +40,5 @@ def info(
             complain(about(path, error))
             failed += 1
         else:
-            say(text, end="\n\n" if path is not inputs[-1] else "\n")
+            say(text if path is inputs[-1] else f"{text}\n")
     return FAULT if failed else 0

@@ -15,7 +15,7 @@ from meshdepict.color.transfer import preset
 from meshdepict.errors import MeshdepictError
 from meshdepict.shapes import samples
 
-ROW = bytes((2, 2, 0, 16)) + b"".join(bytes([16] + 16 * [v]) for v in (127, 127, 127, 127))
+ROW = bytes((2, 2, 0, 16)) + b"".join(bytes([16] + 16 * [v]) for v in (64, 64, 64, 127))
 HDR = b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 8 +X 16\n" + 8 * ROW
 
 
