@@ -16,6 +16,8 @@ from meshdepict.drawing.volume_picture import plot_volume, save_volume_picture
 from meshdepict.errors import MeshdepictError
 from meshdepict.scales.grid_scales import sample_bytes
 from meshdepict.scene.environment import Environment
+from meshdepict.shapes.mesh import Mesh
+from meshdepict.shapes.volume import Volume
 from meshdepict.viewer.windows import showing
 from meshdepict.viewer.windows.reopened import session_of
 
@@ -64,9 +66,8 @@ def test_pictures_take_the_same_words(baked, tmp_path):
     assert read_picture_provenance(path) == baked.comments
     save = save_picture if baked.shape.kind == "mesh" else save_volume_picture
     again = save(
-        baked, tmp_path / "b.png", size="3x2cm", dpi=100, background="#102030", scale_bar=True,
-        unit=baked.unit,
-    )  # fmt: skip
+        baked, tmp_path / "b.png", size="3x2cm", dpi=100, background="#102030", scale_bar=True
+    )
     assert again.read_bytes() == path.read_bytes()
     large = baked.picture(tmp_path / "c.png", pixels_per_unit=40 / baked.shape.diagonal)
     with Image.open(large) as image:
@@ -84,13 +85,18 @@ def test_wrong_pictures_are_refused_by_both(baked, tmp_path):
     assert not list(tmp_path.iterdir())
 
 
-def test_the_unit_of_a_volume_is_on_its_scale_bar(bakes, tmp_path):
-    pictures = {
-        unit: bakes["volume"].picture(tmp_path / f"bar-{unit}.png", scale_bar=True, unit=unit)
-        for unit in ("", "mm", "cm")
-    }
-    assert pictures[""].read_bytes() == pictures["mm"].read_bytes()
-    assert pictures[""].read_bytes() != pictures["cm"].read_bytes()
+def test_the_unit_of_a_shape_is_on_its_scale_bar(ball, tmp_path):
+    mesh = Mesh(ball.vertices, ball.faces, length_unit="mm")
+    volume = blobs()
+    volume = Volume(volume.values, spacing=volume.spacing, length_unit="mm")
+    for baked in (bake(mesh, "lambert"), bake_volume(volume, "lambert", transfer=SOLID)):
+        kind = baked.shape.kind
+        pictures = {
+            unit: baked.picture(tmp_path / f"{kind}-{unit}.png", scale_bar=True, unit=unit)
+            for unit in ("", "mm", "cm")
+        }
+        assert pictures[""].read_bytes() == pictures["mm"].read_bytes()
+        assert pictures[""].read_bytes() != pictures["cm"].read_bytes()
 
 
 # --- show -------------------------------------------------------------------------------------

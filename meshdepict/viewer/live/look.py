@@ -15,6 +15,7 @@ from meshdepict.scene.light import Light
 from meshdepict.scene.names import as_light, as_lights, as_view
 from meshdepict.scene.view import View
 from meshdepict.shading.method import declaration
+from meshdepict.shading.registry import find_method
 from meshdepict.viewer.live.direct import LIGHT_WARPING, PHONG, RADIANCE_SCALING
 from meshdepict.viewer.live.exaggerated import EXAGGERATED
 from meshdepict.viewer.live.lambert import HALF_LAMBERT, LAMBERT
@@ -141,7 +142,7 @@ def live_method(method: Any) -> LiveMethod:
     if (
         not isinstance(name, str)
         or name not in _METHODS
-        or (callable(method) and method is not _METHODS[name].function)
+        or (callable(method) and method is not find_method(name))
     ):
         raise MeshdepictError(
             f"{name!r} can't be shown live{nearest(str(name), _METHODS)} (these can: "
