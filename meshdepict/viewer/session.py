@@ -205,6 +205,11 @@ class Session:
         return self._asked.replace(method=self.function).sees
 
     @property
+    def two_sided(self) -> bool:
+        """Whether the side that is seen is shaded; see `Choices`."""
+        return self._asked.two_sided
+
+    @property
     def space(self) -> ScaleSpace:
         """The scale space of the method; made once for all methods with the same scales."""
         scales, ratio = self._asked.replace(method=self.function).ladder

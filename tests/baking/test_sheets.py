@@ -8,6 +8,7 @@ from meshdepict.baking.sheets import automatic_view
 from meshdepict.errors import MeshdepictWarning
 from meshdepict.scales.seen_side import SeenSide
 from meshdepict.scene.names import as_view
+from meshdepict.viewer.session import Session
 
 METHODS = [name for name, f in md.shading.METHODS.items() if f.declaration.linear]
 
@@ -111,3 +112,15 @@ def test_on_the_command_line(run, folder):
 def test_two_sides_are_yes_or_no():
     with pytest.raises(md.MeshdepictError, match="two_sided='x' is neither True nor False"):
         md.Look("lambert", two_sided="x")
+
+
+def test_a_session_shades_the_side_that_is_seen_from_wherever_it_looks():
+    session = Session(sheet(), "lambert", light=(300, 40), two_sided=True)
+    front = session.colors
+    session.look("back")
+    session.shine((300, 40))
+    assert session.two_sided
+    assert session.follows_view
+    behind = md.bake(sheet(), "lambert", light=(300, 40), view="back", two_sided=True)
+    np.testing.assert_array_equal(session.colors, behind.colors)
+    assert not np.array_equal(session.colors, front)

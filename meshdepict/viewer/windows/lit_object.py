@@ -177,7 +177,7 @@ class LitObject(LitShape):
 
     def _shade_live(self, *, fresh: bool) -> Any:
         """Return the `LiveShading` of what the session shows, None where that can't be."""
-        if not self._may_live:
+        if not self._may_live or self._session.two_sided:  # the shader knows one side
             return None
         if self._live is not None and not fresh:
             return self._live
