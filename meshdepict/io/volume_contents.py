@@ -115,6 +115,9 @@ def several_values(count: int) -> MeshdepictError:
     )
 
 
+_WHOLE = 2.0**31  # beyond it products of 32-bit numbers leave 64 bits
+
+
 def rescaled(values: NDArray[Any], slope: float, intercept: float) -> NDArray[Any]:
     """Return ``slope · values + intercept``: integers where all of them are, narrow, else floats.
 
@@ -122,7 +125,7 @@ def rescaled(values: NDArray[Any], slope: float, intercept: float) -> NDArray[An
     """
     if (slope, intercept) == (1, 0):
         return values
-    whole = float(slope).is_integer() and float(intercept).is_integer()
+    whole = all(float(x).is_integer() and abs(x) < _WHOLE for x in (slope, intercept))
     if whole and values.dtype.kind in "iu" and values.dtype.itemsize <= 4:
         ends = [int(slope) * int(end) + int(intercept) for end in (values.min(), values.max())]
         kind = fitting_integer(min(ends), max(ends))

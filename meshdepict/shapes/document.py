@@ -115,6 +115,9 @@ def recolored(attributes: Mapping[str, Any], saving: Saving, *, ours: bool) -> d
     return kept | dict(zip(COLOR, saving.colors.T, strict=True))
 
 
+_WHITE = 65535.0  # of 16 bits: what is brighter is no brighter
+
+
 def as_bytes(values: NDArray[Any]) -> NDArray[np.uint8]:
     """Return colours of any type as 8 bit: fractions, numbers up to 255, or up to 65,535.
 
@@ -124,7 +127,7 @@ def as_bytes(values: NDArray[Any]) -> NDArray[np.uint8]:
     if values.dtype == np.uint8:
         return values
     whole = values.dtype.kind in "iu"
-    finite = values if whole else np.nan_to_num(values, posinf=255, neginf=0)
+    finite = values if whole else np.nan_to_num(values, posinf=255, neginf=0).clip(0, _WHITE)
     lit = finite[finite > 0]
     usual = np.median(lit) if lit.size else 0.0
     if usual > 255:
