@@ -98,6 +98,6 @@ def _gets_away(
 
 
 def _unit(vectors: Floats) -> Floats:
-    """Return unit vectors; what is too short for its square to be a number stays as good as zero."""
+    """Return unit vectors; what is too short for a square of its length stays near zero."""
     length = np.linalg.norm(vectors, axis=-1, keepdims=True)
     return vectors / np.where(length > 0, length, 1.0)

@@ -200,3 +200,8 @@ def test_what_itk_warns_of_is_a_warning_of_ours(capfd):
 def test_volumes_are_known_by_their_suffix(tmp_path, name, wanted):
     assert is_volume_path(tmp_path / name) == wanted
     assert is_volume_path(tmp_path)
+
+
+def test_a_grid_beyond_all_numbers_is_refused():
+    with pytest.raises(MeshdepictError, match="reaches beyond 1e\\+150"):
+        Volume(np.arange(8).reshape(2, 2, 2), spacing=(1e308, 1, 1), origin=(1e308, 0, 0))
