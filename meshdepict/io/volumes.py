@@ -147,7 +147,10 @@ def _straighten(contents: VolumeContents, tilt: str) -> None:
 
     place = contents.place
     steps = np.asarray(place.pop("steps"), np.float64)
-    lengths = np.linalg.norm(steps, axis=0)
+    with np.errstate(over="ignore"):
+        lengths = np.linalg.norm(steps, axis=0)
+    if not np.isfinite(lengths).all():
+        raise MeshdepictError("says distances of its voxels that are not finite")
     place["spacing"] = lengths
     place["direction"] = steps / np.where(lengths > 0, lengths, 1.0)
     if not (lengths > 0).all():

@@ -64,7 +64,9 @@ class Grid:
             raise MeshdepictError(
                 f"the spacing {as_list(self.spacing)} is not positive along every axis"
             )
-        if not np.abs(self.outline).max() < _LARGEST:
+        with np.errstate(over="ignore", invalid="ignore"):
+            reach = np.abs(self.outline).max()
+        if not reach < _LARGEST:
             raise MeshdepictError(f"the volume reaches beyond {_LARGEST:g} in world coordinates")
         self.hounsfield = bool(hounsfield)
         self.length_unit = str(length_unit)
