@@ -20,6 +20,7 @@ from meshdepict.voxels.volume_input import fitting_integer
 
 __all__ = ["Slice", "headers", "is_dicom", "read_dicom"]
 
+_MOST_NOTES = 4  # damage may be told of a thousand files
 _AIR = -1000.0  # HU, for voxels outside of the scanner's field of view
 
 
@@ -45,11 +46,11 @@ def read_dicom(path: Path, series: str | int | None, *, tilt: str = "resample") 
     notes: list[str] = []
     found = _found(path, series, notes)
     if len(found) == 1 and (found[0].frames > 1 or found[0].file.frames):
-        planes, numbers = found[0].planes(), _Numbers(found[0])
+        planes, numbers = found[0].planes(), _Numbers(notes, found[0])
         if not (planes[0].has_position and found[0].file.frames) and found[0].offsets is None:
             notes.append("it doesn't say how far its frames are apart, taken as 1")
     else:
-        planes, numbers = found, _Numbers(None)
+        planes, numbers = found, _Numbers(notes)
     stack = stacked(planes, numbers.same)
     if stack.copies:
         copy, kept = stack.copies[0]
@@ -89,6 +90,7 @@ def read_dicom(path: Path, series: str | int | None, *, tilt: str = "resample") 
         if (text := first.tag(tag))
     }
     unit = "mm" if first.has_spacing else ""
+    notes[:] = [*dict.fromkeys(notes)][:_MOST_NOTES]
     return VolumeContents(values, place, hounsfield, unit, attributes, notes)
 
 
@@ -194,12 +196,13 @@ def _note_header(slices: list[Slice], hounsfield: bool, notes: list[str]) -> Non
 class _Numbers:
     """The rescaled numbers of slices, from files of one slice each or from one file of many."""
 
-    def __init__(self, file: Slice | None) -> None:
-        self._frames = None if file is None else stored_numbers(file)
+    def __init__(self, notes: list[str], file: Slice | None = None) -> None:
+        self._notes = notes
+        self._frames = None if file is None else stored_numbers(file, notes)
 
     def _stored(self, one: Slice) -> tuple[NDArray[Any], NDArray[np.bool_] | None]:
         if self._frames is None:
-            numbers, padded = stored_numbers(one)
+            numbers, padded = stored_numbers(one, self._notes)
             return numbers[0], None if padded is None else padded[0]
         at = one.frame or 0
         numbers, padded = self._frames

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshdepict.errors import MeshdepictError
+from meshdepict.files.library_noise import library_noise
 from meshdepict.files.limits import check_claim
 from meshdepict.io.dicom_header import Slice
 from meshdepict.io.itk import array_of, reason, simpleitk
@@ -24,12 +25,19 @@ __all__ = ["stored_numbers"]
 _PLAIN = (
     "1.2.840.10008.1.2", "1.2.840.10008.1.2.1", "1.2.840.10008.1.2.2", "1.2.840.10008.1.2.1.99",
 )  # fmt: skip
+_LEAST = 64 << 20  # bytes that the smallest file may unpack to: a picture of 5,800² in 16 bits
 _WHOLE = (8, 16, 32)  # bits that a number takes
 _CAPTURE = "1.2.840.10008.5.1.4.1.1.7.3"  # of many frames, in 16 bits: no meaning but its numbers
 
 
-def stored_numbers(one: Slice) -> tuple[NDArray[Any], NDArray[np.bool_] | None]:
+def stored_numbers(one: Slice, notes: list[str]) -> tuple[NDArray[Any], NDArray[np.bool_] | None]:
     """Return all frames' stored numbers (frames, rows, columns), and where they are padding.
+
+    Parameters
+    ----------
+    one : Slice
+    notes : list of str
+        Gets a clause where unpacking met something odd.
 
     Raises
     ------
@@ -56,8 +64,9 @@ def stored_numbers(one: Slice) -> tuple[NDArray[Any], NDArray[np.bool_] | None]:
         _check_length(one, length, columns * rows * itemsize)
         raw = _plain(one, start, kind or f"u{itemsize}", (frames, rows, columns))
     else:
-        check_claim(columns * rows * frames * itemsize, one.path.stat().st_size, "pixels")
-        raw = _unpacked(one, start, f"u{itemsize}")
+        needed = columns * rows * frames * itemsize
+        check_claim(needed, one.path.stat().st_size, "pixels", least=_LEAST)
+        raw = _unpacked(one, start, f"u{itemsize}", notes)
     if kind:
         return raw, None
     return _meaning(one, raw)
@@ -116,18 +125,21 @@ def _padded(one: Slice, numbers: NDArray[Any]) -> Any:
     return (numbers >= low) & (numbers <= high)
 
 
-def _unpacked(one: Slice, start: int, kind: str) -> NDArray[Any]:
+def _unpacked(one: Slice, start: int, kind: str, notes: list[str]) -> NDArray[Any]:
     """Let GDCM unpack a file's fragments."""
     shape = one.size[::-1]
+    noise: list[str] = []
     with simpleitk([]) as sitk, tempfile.TemporaryDirectory() as folder:
         bare = Path(folder, "bare.dcm")
         bare.write_bytes(_bare(one, start))
         try:
-            image = sitk.ReadImage(str(bare), imageIO="GDCMImageIO")
+            with library_noise(noise):
+                image = sitk.ReadImage(str(bare), imageIO="GDCMImageIO")
         except RuntimeError as error:
-            raise MeshdepictError(
-                f"holds a damaged file, {one.path.name}: {reason(error)}"
-            ) from error
+            why = noise[0] if noise else reason(error)
+            raise MeshdepictError(f"holds a damaged file, {one.path.name}: {why}") from error
+        if noise:
+            notes.append(f"unpacking {one.path.name} met damage: {noise[0]}")
         found = array_of(image)
         if found.shape != shape or found.dtype.kind not in "iu":
             raise MeshdepictError(

@@ -57,21 +57,23 @@ def read_image_stack(folder: Path) -> VolumeContents:
     """
     notes: list[str] = []
     slices = _alike(image_slices(folder), notes)
-    first, scale = _slice(slices[0])
+    first, scale = _slice(slices[0], [])
     if len(slices) == 1 and len(first) > 1:
         place = {"spacing": scale.spacing} if scale.spacing else {}
         return VolumeContents(first, place, length_unit=scale.unit, notes=notes)
     size = sum(path.stat().st_size for path in slices)
     check_claim(first.nbytes * len(slices), size, "pixels")
     stack = np.empty((len(slices), *first.shape[1:]), first.dtype)
+    found: list[str] = []
     for at, name in enumerate(slices):
-        page, _ = _slice(name)
+        page, _ = _slice(name, found)
         if page.shape != (1, *stack.shape[1:]) or page.dtype != stack.dtype:
             raise MeshdepictError(
                 f"holds slices of different size or type: {slices[0].name} "
                 f"({_described(first)}) and {name.name} ({_described(page)})"
             )
         stack[at] = page[0]
+    notes += found[:1]
     place = {"spacing": scale.spacing} if scale.spacing else {}
     return VolumeContents(stack, place, length_unit=scale.unit, notes=notes)
 
@@ -106,10 +108,10 @@ def _gap(paths: list[Path]) -> tuple[Path, Path] | None:
     return (paths[wider[0]], paths[wider[0] + 1]) if wider else None
 
 
-def _slice(path: Path) -> tuple[NDArray[Any], Scale]:
+def _slice(path: Path, notes: list[str]) -> tuple[NDArray[Any], Scale]:
     """Return the grey values (1, ny, nx) of an image, or all pages of a TIFF."""
     if path.suffix.lower() in TIFF:
-        return tiff_slice(path)
+        return tiff_slice(path, notes)
     from PIL import Image
 
     try:

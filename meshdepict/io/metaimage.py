@@ -182,5 +182,5 @@ def _place(header: _Header) -> dict[str, Any]:
             place["direction"] = np.reshape(matrix[:9], (3, 3)).T
         return place
     way = np.reshape(matrix[:9], (3, 3)).T if matrix else np.eye(3)  # a row for each axis
-    with np.errstate(invalid="ignore"):  # an infinite spacing is refused with its sentence
+    with np.errstate(over="ignore", invalid="ignore"):  # what isn't finite is refused later
         return place | {"steps": way * np.array(spacing[:3])}

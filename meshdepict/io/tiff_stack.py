@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshdepict.errors import MeshdepictError
+from meshdepict.files.library_noise import library_noise
 from meshdepict.files.limits import check_claim
 from meshdepict.io.itk import array_of, reason, simpleitk
 from meshdepict.io.tiff_pages import Page, Scale, scale_of, tiff_pages
@@ -41,9 +42,9 @@ def read_tiff(path: Path) -> VolumeContents:
     )
 
 
-def tiff_slice(path: Path) -> tuple[NDArray[Any], Scale]:
+def tiff_slice(path: Path, notes: list[str]) -> tuple[NDArray[Any], Scale]:
     """Return the pages of one of a folder's files, and its scale."""
-    return _pages(path, [])
+    return _pages(path, notes)
 
 
 def _pages(path: Path, notes: list[str]) -> tuple[NDArray[Any], Scale]:
@@ -74,7 +75,7 @@ def _pages(path: Path, notes: list[str]) -> tuple[NDArray[Any], Scale]:
         raise MeshdepictError(
             f"holds numbers of colours, compressed: {path.name}; save it as grey values"
         )
-    return _unpacked(path, pages), scale
+    return _unpacked(path, pages, notes), scale
 
 
 def _plain(path: Path, pages: list[Page], scale: Scale, notes: list[str]) -> NDArray[Any]:
@@ -113,18 +114,22 @@ def _plain(path: Path, pages: list[Page], scale: Scale, notes: list[str]) -> NDA
     return stack
 
 
-def _unpacked(path: Path, pages: list[Page]) -> NDArray[Any]:
+def _unpacked(path: Path, pages: list[Page], notes: list[str]) -> NDArray[Any]:
     """Let ITK unpack compressed and tiled pages."""
     first, size = pages[0], path.stat().st_size
     rows, columns = first.shape
     needed = len(pages) * rows * columns * np.dtype(first.kind).itemsize
     check_claim(needed, size, "pixels")
     noise: list[str] = []
-    with simpleitk(noise) as sitk:
+    with simpleitk([]) as sitk:
         try:
-            image = sitk.ReadImage(str(path), imageIO="TIFFImageIO")
+            with library_noise(noise):
+                image = sitk.ReadImage(str(path), imageIO="TIFFImageIO")
         except RuntimeError as error:
-            raise MeshdepictError(f"is damaged: {path.name}: {reason(error)}") from error
+            why = noise[0] if noise else reason(error)
+            raise MeshdepictError(f"is damaged: {path.name}: {why}") from error
+        if noise:
+            notes.append(f"unpacking {path.name} met damage: {noise[0]}")
         if image.GetDimension() == 2:
             image = sitk.JoinSeries(image)
     values = array_of(image)

@@ -19,6 +19,7 @@ __all__ = [
 
 Floats = NDArray[np.float64]
 
+_LONGEST = 250  # letters of what is shown in a message
 _SKEW = 1e-3  # directions in files have 4 digits and more; what is skewed is so by much more
 
 
@@ -42,10 +43,22 @@ def checked_values(values: ArrayLike) -> NDArray[Any]:
         array = np.asarray(values)
     except (TypeError, ValueError, OverflowError):
         raise MeshdepictError(
-            "a volume's values must be real numbers in a grid of three axes (z, y, x)"
+            "a volume is an array of numbers with three axes (z, y, x), and a "
+            f"{type(values).__name__} like this makes none"
         ) from None
+    hidden = int(np.count_nonzero(getattr(values, "mask", False)))
+    if isinstance(values, np.ma.MaskedArray) and hidden:
+        raise MeshdepictError(
+            f"the volume has {hidden:,} masked values: fill them with the value of air, "
+            "values.filled(-1000)"
+        )
     if array.dtype.kind not in "biuf":
         raise MeshdepictError(f"a volume's values must be real numbers, not {array.dtype}")
+    if array.dtype.itemsize > 8:
+        raise MeshdepictError(
+            f"a volume's values must have 64 bits or fewer, not {array.dtype}: convert them to "
+            "float64"
+        )
     if array.ndim != 3:
         raise MeshdepictError(
             f"a volume is a grid of three axes (z, y, x), not an array of shape {array.shape}"
@@ -71,12 +84,11 @@ def three_numbers(numbers: ArrayLike, what: str) -> Floats:
     MeshdepictError
         For anything else.
     """
-    try:
-        array = np.array(numbers, np.float64)
-    except (TypeError, ValueError, OverflowError):
-        array = np.empty(0)
+    array = _floats(numbers)
     if array.shape != (3,) or not np.isfinite(array).all():
-        raise MeshdepictError(f"{what}={numbers!r} is not three finite numbers (x, y, z)")
+        shown = repr(numbers)
+        shown = shown if len(shown) <= _LONGEST else f"{shown[:_LONGEST]}…"
+        raise MeshdepictError(f"{what}={shown} is not three finite numbers (x, y, z)")
     return array
 
 
@@ -88,17 +100,16 @@ def checked_direction(direction: ArrayLike) -> Floats:
     MeshdepictError
         For a matrix that is not nearly orthonormal, or none of 3 x 3 finite numbers.
     """
-    try:
-        matrix = np.array(direction, np.float64)
-    except (TypeError, ValueError, OverflowError):
-        matrix = np.empty(0)
+    matrix = _floats(direction)
     error = np.inf
-    if matrix.shape == (3, 3) and np.isfinite(matrix).all():
+    if matrix.shape == (3, 3) and np.abs(matrix).max() < 2:  # not NaN either
         error = float(np.abs(matrix.T @ matrix - np.eye(3)).max())
     if error > _SKEW:
+        shown = repr(matrix.tolist() if matrix.shape == (3, 3) else direction)
+        shown = shown if len(shown) <= _LONGEST else f"{shown[:_LONGEST]}…"
         raise MeshdepictError(
-            f"direction={_listed(direction)!r} is not a 3 x 3 matrix of orthonormal "
-            "columns: resample a skewed grid first"
+            f"direction={shown} is not a 3 x 3 matrix of orthonormal columns: resample a skewed "
+            "grid first"
         )
     if error < 1e-14:
         return matrix
@@ -106,8 +117,14 @@ def checked_direction(direction: ArrayLike) -> Floats:
     return u @ vh
 
 
-def _listed(given: Any) -> Any:
-    return given.tolist() if isinstance(given, np.ndarray) else given
+def _floats(numbers: ArrayLike) -> Floats:
+    """Return real numbers as an array, an empty one where they are none."""
+    try:
+        if np.iscomplexobj(numbers):
+            return np.empty(0)
+        return np.array(numbers, np.float64)
+    except (TypeError, ValueError, OverflowError):
+        return np.empty(0)
 
 
 def as_list(numbers: Floats) -> str:
