@@ -106,7 +106,8 @@ def _kind(shape: Any) -> str | None:
 
 
 def as_mesh(shape: Any) -> Mesh:
-    """Return a `Mesh` from a path, a Mesh, a PyVista ``PolyData`` or a ``trimesh.Trimesh``."""
+    """Return a `Mesh` from a path, a Mesh, or what PyVista or trimesh hold that has a surface."""
+    from meshdepict.shapes.foreign import is_of_pyvista, is_of_trimesh
     from meshdepict.shapes.mesh import Mesh
 
     if isinstance(shape, Mesh):
@@ -120,9 +121,9 @@ def as_mesh(shape: Any) -> Mesh:
                 f"{os.fspath(shape)} is a volume, not a mesh: take bake_volume (meshdepict volume)"
             )
         return read_mesh(shape)
-    if hasattr(shape, "GetPolys") and hasattr(shape, "point_data"):
+    if is_of_pyvista(shape):
         return Mesh.from_pyvista(shape)
-    if hasattr(shape, "faces") and hasattr(shape, "visual"):
+    if is_of_trimesh(shape):
         return Mesh.from_trimesh(shape)
     raise MeshdepictError(
         f"a {type(shape).__name__} is not a shape: give a path, a Mesh, a pyvista.PolyData or a "

@@ -38,10 +38,10 @@ def decode_text(
     MeshdepictError
         Where a line doesn't hold what the header declares.
     """
-    if len(lines) < element.count:
-        raise cut_off(element, sum(map(len, lines)))
     if not element.properties:
         return {}, {}
+    if len(lines) < element.count:
+        raise cut_off(element, sum(map(len, lines)))
     try:
         values, unknown = _numbers(lines, element)
         listed = values.tolist() if any(item.count for item in element.properties) else []

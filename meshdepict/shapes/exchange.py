@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from meshdepict.errors import MeshdepictError
 from meshdepict.shapes.document import Contents, Document
+from meshdepict.shapes.foreign import as_polydata, as_trimesh
 from meshdepict.surface.polygons import Polygons, strip_triangles
 from meshdepict.voxels.grid import Grid
 from meshdepict.voxels.length_unit import length_unit
@@ -36,15 +37,14 @@ _COLORS = {
 
 
 def polydata_contents(poly: Any) -> Contents:
-    """Return what `Mesh` needs of a ``pyvista.PolyData``.
+    """Return what `Mesh` needs of a ``pyvista.PolyData``, or of the surface of another data set.
 
     Raises
     ------
     MeshdepictError
-        For anything but a ``PolyData``.
+        For what has no surface.
     """
-    if not all(hasattr(poly, name) for name in ("GetPolys", "point_data", "cell_data")):
-        raise MeshdepictError(f"expected a pyvista.PolyData, got a {type(poly).__name__}")
+    poly = as_polydata(poly)
     vertices, polygons, cell = polydata_geometry(poly)
     attributes = {
         "vertex": _colors_apart(_fitting(poly.point_data, len(vertices))),
@@ -130,15 +130,14 @@ def to_polydata(
 
 
 def trimesh_contents(tm: Any) -> Contents:
-    """Return what `Mesh` needs of a ``trimesh.Trimesh``.
+    """Return what `Mesh` needs of a ``trimesh.Trimesh``, or of a ``Scene``.
 
     Raises
     ------
     MeshdepictError
-        For anything but a ``Trimesh``.
+        For what has no faces.
     """
-    if not all(hasattr(tm, name) for name in ("vertices", "faces", "visual")):
-        raise MeshdepictError(f"expected a trimesh.Trimesh, got a {type(tm).__name__}")
+    tm = as_trimesh(tm)
     attributes = {
         "vertex": _fitting(tm.vertex_attributes, len(tm.vertices)),
         "face": _fitting(tm.face_attributes, len(tm.faces)),

@@ -112,12 +112,13 @@ class Mesh:
         """Take the polygons and strips of a ``pyvista.PolyData`` with its point and cell arrays.
 
         Strips become triangles; lines and single vertices are left out. The 8-bit colours "RGB"
-        or "RGBA" become the vertex attributes red, green, blue and alpha.
+        or "RGBA" become the vertex attributes red, green, blue and alpha. Of solid cells and of
+        blocks the surface is taken, with a note.
 
         Raises
         ------
         MeshdepictError
-            For anything but a ``PolyData``, and as `Mesh`.
+            For what has no surface, such as ``ImageData``, and as `Mesh`.
         """
         from meshdepict.shapes.exchange import polydata_contents
 
@@ -128,12 +129,12 @@ class Mesh:
         """Take the faces of a ``trimesh.Trimesh`` with its colours and attributes.
 
         Colours become the vertex or face attributes red, green, blue and, where any is
-        transparent, alpha.
+        transparent, alpha. The meshes of a ``Scene`` become one.
 
         Raises
         ------
         MeshdepictError
-            For anything but a ``Trimesh``, and as `Mesh`.
+            For what has no faces, such as a ``PointCloud``, and as `Mesh`.
         """
         from meshdepict.shapes.exchange import trimesh_contents
 

@@ -16,6 +16,7 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 _BLOCK = 1 << 17  # corners at a time: temporaries stay in the cache
+_LARGE = 128  # corners: from here on the time for the best of all ears, their square, is felt
 
 
 class Polygons(NamedTuple):
@@ -122,8 +123,11 @@ def triangulate(vertices: Floats, polygons: Polygons) -> tuple[Ints, Ints]:
         return _split_blocks(vertices, connectivity.reshape(-1, present[0])).reshape(-1, 3), owner
     first = np.cumsum(parts) - parts
     triangles = np.empty((len(owner), 3), np.int64)
+    # By size, each looked at once: there may be many sizes.
+    order = np.argsort(sizes, kind="stable")
+    ends = np.cumsum(np.bincount(sizes))
     for size in present[present > 2]:
-        chosen = np.flatnonzero(sizes == size)
+        chosen = order[ends[size - 1] : ends[size]]
         corners = connectivity[offsets[chosen, None] + np.arange(size)]
         split = _split_blocks(vertices, corners)
         triangles[first[chosen, None] + np.arange(size - 2)] = split
@@ -176,7 +180,13 @@ def _split(vertices: Floats, corners: Ints) -> Ints:
     triangles = corners[:, local]
     concave = np.flatnonzero(~(np.einsum("pij,pj->pi", fan, normal) > 0).all(axis=1))
     if len(concave):
-        ears = _clip_ears(_flattened(points[concave], normal[concave]))
+        flat = _flattened(points[concave], normal[concave])
+        if size > _LARGE:
+            from meshdepict.surface.ears import clip_large
+
+            ears = np.stack([clip_large(polygon) for polygon in flat])
+        else:
+            ears = _clip_ears(flat)
         triangles[concave] = corners[concave[:, None, None], ears]
     return triangles
 

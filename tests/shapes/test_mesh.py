@@ -124,6 +124,8 @@ def test_polygons_are_read_only_too():
         ),
         ([[0, 0, 0], [1, np.inf, 2], [0, 0, 1]], [[0, 1, 2]], "the first is vertex 1: 1, inf, 2"),
         (np.eye(3) * 1e200, [[0, 1, 2]], "vertices beyond 1e.150"),
+        (np.eye(3) * 1e308, [[0, 1, 2]], "vertices beyond 1e.150"),
+        (np.eye(3) * 1e-310, [[0, 1, 2]], "vertices lie within 1e-150 of each other"),
         (np.eye(3), [], r"no faces \(3 vertices\)"),
         (np.eye(3), np.empty((0, 3), int), "no faces"),
         (np.eye(3), [[0, 1], [2]], "no faces with three corners"),
@@ -140,6 +142,17 @@ def test_polygons_are_read_only_too():
 def test_what_is_no_mesh_is_refused(vertices, faces, sentence):
     with pytest.raises(MeshdepictError, match=sentence):
         Mesh(vertices, faces)
+
+
+@pytest.mark.parametrize("stray", [np.nan, np.inf, -1e300])
+def test_what_no_face_uses_may_be_anywhere(stray):
+    vertices = np.vstack((np.eye(3), [[0, stray, 0]]))
+    with pytest.warns(MeshdepictWarning, match="1 vertices that no face uses are NaN"):
+        mesh = Mesh(vertices, [[0, 1, 2]])
+    assert mesh.diagonal == Mesh(np.eye(3), [[0, 1, 2]]).diagonal
+    assert np.isfinite(mesh.vertices).all()
+    assert np.isfinite(mesh.normals).all()
+    np.testing.assert_array_equal(mesh.vertices[:3], np.eye(3))
 
 
 @pytest.mark.parametrize(
