@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import sys
 from collections.abc import Sequence
+from contextlib import suppress
 
 from cyclopts import App, CycloptsError, Parameter, UnknownCommandError
 
@@ -53,7 +54,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
             if "given" in extra:  # what the words said, before defaults filled the rest
                 bound.arguments["given"] = frozenset(bound.arguments)
             status = command(*bound.args, **bound.kwargs)
-        sys.stdout.flush()
+        if sys.stdout is not None:  # none where it was closed from the beginning
+            sys.stdout.flush()
     except MeshdepictError as error:
         complain(error)
     except CycloptsError as error:
@@ -76,8 +78,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _close_stdout() -> None:
-    """Send what is left for stdout nowhere, so that Python doesn't fail again at its exit."""
-    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    """Send what is left for stdout and stderr nowhere, so that Python doesn't fail at its exit."""
+    nowhere = os.open(os.devnull, os.O_WRONLY)
+    for stream in (sys.stdout, sys.stderr):
+        try:
+            stream.flush()
+        except (AttributeError, OSError, ValueError):
+            with suppress(AttributeError, OSError, ValueError):
+                os.dup2(nowhere, stream.fileno())
 
 
 def _sentence(error: CycloptsError, words: Sequence[str]) -> str:

@@ -6,7 +6,7 @@ import sys
 import threading
 import warnings
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from meshdepict.errors import MeshdepictWarning, printable
@@ -23,9 +23,11 @@ def say(text: str, *, end: str = "\n") -> None:
 
 
 def complain(message: object) -> None:
-    """Print one line on stderr."""
+    """Print one line on stderr; where nobody is left to read it, nothing."""
     line = printable(" ".join(str(message).split()))
-    print(f"meshdepict: {line}", file=sys.stderr, flush=True)  # noqa: T201
+    if sys.stderr is not None:
+        with suppress(OSError):  # a closed pipe
+            print(f"meshdepict: {line}", file=sys.stderr, flush=True)  # noqa: T201
 
 
 def about(path: Path | None, message: object) -> str:
@@ -73,7 +75,7 @@ def progress_bar(label: str, *, quiet: bool) -> Iterator[Callable[[float, float]
 
     The bar appears when the work has lasted for half a second, and is gone at its end.
     """
-    if quiet or not sys.stderr.isatty():
+    if quiet or sys.stderr is None or not sys.stderr.isatty():
         yield None
         return
     from rich.console import Console

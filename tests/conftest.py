@@ -12,6 +12,7 @@ from promises import promises, watch_parameters, watched_functions  # noqa: F401
 from side_by_side import pytest_xdist_auto_num_workers, share_of_threads  # noqa: F401
 
 from meshdepict import threads
+from meshdepict.files import limits
 from meshdepict.shapes import samples
 from meshdepict.shapes.mesh import Mesh
 
@@ -70,11 +71,12 @@ def rng() -> np.random.Generator:
 
 @pytest.fixture
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
-    """An empty current folder; a command's --threads is not the next test's."""
+    """An empty current folder; a command's --threads and --max-memory are not the next test's."""
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("COLUMNS", "100")
     yield tmp_path
     threads.limit(None)
+    limits.set_max_memory(None)
 
 
 @pytest.fixture

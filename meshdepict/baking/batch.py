@@ -8,7 +8,7 @@ from __future__ import annotations
 import os
 import time
 import warnings
-from collections.abc import Iterator, Sequence
+from collections.abc import Hashable, Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from os.path import exists, isdir, realpath  # unlike Path's, these never raise
@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING
 from meshdepict.baking.baked import Baked
 from meshdepict.baking.look import Look
 from meshdepict.baking.surfaces import bake_surface
-from meshdepict.baking.targets import check_target
+from meshdepict.baking.targets import check_target, identities
 from meshdepict.console import about, complain, notes, progress_bar, say
 from meshdepict.drawing.figure import Figure
 from meshdepict.drawing.framing import check_scale, frame
@@ -83,8 +83,8 @@ class Batch:
     quiet: bool = False
 
     @cached_property
-    def _real_inputs(self) -> frozenset[str]:
-        return frozenset(map(realpath, self.inputs))
+    def _input_identities(self) -> frozenset[Hashable]:
+        return identities(self.inputs)
 
     def run(self) -> int:
         """Bake everything that can be baked; return how many failed, each with one line."""
@@ -114,8 +114,7 @@ class Batch:
         done = 0
         for job in jobs.values():
             try:
-                say(self._bake(job))
-                done += 1
+                line = self._bake(job)
             except MeshdepictError as error:
                 complain(about(job.source, error))
             except MemoryError:
@@ -123,6 +122,9 @@ class Batch:
             except Exception as error:  # a fault of this program's: the other files go on
                 text = f"an unexpected fault, please report it ({type(error).__name__}: {error})"
                 complain(about(job.source, MeshdepictError(text)))
+            else:
+                say(line)
+                done += 1
         if len(sources) > 1 and not self.quiet:
             complain(f"{done} of {len(sources)} baked")
         return len(sources) - done
@@ -139,7 +141,7 @@ class Batch:
             picture = _target(self.picture, f"{name}.png", "--picture")
             check_picture(picture)
         for path in filter(None, (output, picture)):
-            check_target(path, force=self.force, inputs=self._real_inputs)
+            check_target(path, force=self.force, inputs=self._input_identities)
         return Job(source, output, picture)
 
     def _read(self, source: Path | None) -> Mesh:

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Container
-from os.path import exists, isdir, realpath  # unlike Path's, these never raise
+from collections.abc import Container, Hashable, Iterable
+from os.path import exists, isdir, isfile, realpath  # unlike Path's, these never raise
 from pathlib import Path
 
 from meshdepict.errors import MeshdepictError
 from meshdepict.io import read_provenance
 
-__all__ = ["check_target"]
+__all__ = ["check_target", "identities", "identity"]
 
 # How files without provenance of their own begin, or what their beginning holds, if ours.
 _MARKS = {
@@ -25,7 +25,21 @@ _MARKS = {
 _BEGINNING = 4096  # bytes of a file where its mark is looked for
 
 
-def check_target(path: Path, *, force: bool, inputs: Container[str] = ()) -> None:
+def identity(path: str | os.PathLike[str]) -> Hashable:
+    """Return what is the same for all names of a file: symbolic and hard links are names, too."""
+    try:
+        found = os.stat(path)
+    except (OSError, ValueError):
+        return realpath(path)
+    return found.st_dev, found.st_ino
+
+
+def identities(paths: Iterable[Path | None]) -> frozenset[Hashable]:
+    """Return the identities of files that are read, for `check_target`."""
+    return frozenset(identity(path) for path in paths if path is not None)
+
+
+def check_target(path: Path, *, force: bool, inputs: Container[Hashable] = ()) -> None:
     """Refuse to replace what others wrote, and to write where that is impossible.
 
     Parameters
@@ -33,8 +47,8 @@ def check_target(path: Path, *, force: bool, inputs: Container[str] = ()) -> Non
     path : Path
     force : bool
         Replace whatever is there.
-    inputs : container of str
-        Real paths of files that are read.
+    inputs : container
+        Identities of files that are read.
 
     Raises
     ------
@@ -49,7 +63,7 @@ def check_target(path: Path, *, force: bool, inputs: Container[str] = ()) -> Non
         raise MeshdepictError(f"{path} can't be written: {path.parent} may not be written to")
     if force or not exists(path):
         return
-    if realpath(path) in inputs:
+    if identity(path) in inputs:
         raise MeshdepictError(
             f"{path} is an input: choose another name, or replace it with --force"
         )
@@ -62,6 +76,8 @@ def check_target(path: Path, *, force: bool, inputs: Container[str] = ()) -> Non
 
 def _is_ours(path: Path) -> bool:
     """Whether this program wrote an existing file: its provenance says so."""
+    if not isfile(path):  # a pipe or a device: looking into it might wait for ever
+        return False
     kind = path.suffix.lower()
     if kind == ".png":
         from meshdepict.drawing.picture import read_picture_provenance

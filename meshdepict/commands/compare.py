@@ -9,7 +9,7 @@ from cyclopts import Parameter
 
 from meshdepict.commands import parameters
 from meshdepict.commands.parameters import DETAIL, FILES, LOOK, Everywhere, LookWords, takes_words
-from meshdepict.console import notes, progress_bar
+from meshdepict.console import notes, progress_bar, say
 from meshdepict.errors import MeshdepictError
 
 __all__ = ["compare"]
@@ -68,7 +68,7 @@ def compare(
         auto: turn faces that look inwards before shading; keep: believe the file.
     """
     from meshdepict.baking.batch import stem
-    from meshdepict.baking.targets import check_target
+    from meshdepict.baking.targets import check_target, identities
     from meshdepict.congruence import comparison
     from meshdepict.congruence import report as comparison_report
     from meshdepict.drawing.figure import Figure
@@ -86,7 +86,7 @@ def compare(
             continue
         if path.suffix.lower() != _KINDS[option]:
             raise MeshdepictError(f"{option} {path}: end the name with {_KINDS[option]}")
-        check_target(path, force=force)
+        check_target(path, force=force, inputs=identities([source]))
     pixels = Figure(size=size).pixels
     assert pixels is not None  # as a size was given
     given = _options(options or [])
@@ -103,10 +103,10 @@ def compare(
         if page is not None:
             comparison_report.save_page(found, page, title=name)
     for row, mean in zip(found.methods, found.means, strict=True):
-        print(f"{row:<20} {mean:.3f}")  # noqa: T201
+        say(f"{row:<20} {mean:.3f}")
     written = ", ".join(str(path) for path in (output, csv, page) if path is not None)
     lights_text = f"{len(found.lights)} light{'s' * (len(found.lights) != 1)}"
-    print(f"{written}: mean congruence, {lights_text}, {found.seconds:.1f} s")  # noqa: T201
+    say(f"{written}: mean congruence, {lights_text}, {found.seconds:.1f} s")
 
 
 def _options(given: list[str]) -> dict[str, dict[str, Any]]:

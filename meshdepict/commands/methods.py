@@ -7,6 +7,7 @@ from typing import Annotated
 from cyclopts import Parameter
 
 from meshdepict.commands.parameters import Everywhere, takes_words
+from meshdepict.console import say
 
 __all__ = ["methods"]
 
@@ -25,6 +26,6 @@ def methods(
     """
     from meshdepict.commands import report
 
-    del everywhere  # nothing to obey
+    everywhere.obey()
     described = [report.method(name) for name in names]
-    print("\n\n".join(described) if described else report.methods())  # noqa: T201
+    say("\n\n".join(described) if described else report.methods())

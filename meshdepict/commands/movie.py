@@ -60,8 +60,8 @@ def movie(
     fps
         Frames per second.
     """
-    from meshdepict.baking.targets import check_target
-    from meshdepict.console import notes, progress_bar
+    from meshdepict.baking.targets import check_target, identities
+    from meshdepict.console import notes, progress_bar, say
     from meshdepict.drawing.movie import check_movie, save_movie
     from meshdepict.viewer.session import Session, refuse_unshown
 
@@ -76,13 +76,11 @@ def movie(
         "turn": turn, "light_fixed": light_fixed, "seconds": seconds, "fps": fps, "figure": pages,
     }  # fmt: skip
     count = check_movie(output, **motion)
-    check_target(Path(output), force=force, inputs={os.path.realpath(source)})
+    check_target(Path(output), force=force, inputs=identities([source]))
     if not os.path.exists(source):
         raise MeshdepictError(f"{source}: there is no such file")
     with notes(source, quiet=quiet), progress_bar(source.name, quiet=quiet) as progress:
         session = Session(source, wanted.function, progress=progress, **wanted.words())
         save_movie(session, output, progress=progress, **motion)
     taken = time.perf_counter() - start
-    print(  # noqa: T201
-        f"{output}: {wanted.method}, {turn} turning, {count} frames, {taken:.1f} s"
-    )
+    say(f"{output}: {wanted.method}, {turn} turning, {count} frames, {taken:.1f} s")

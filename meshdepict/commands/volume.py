@@ -18,7 +18,7 @@ from meshdepict.commands.parameters import (
     LookWords,
     takes_words,
 )
-from meshdepict.console import notes, progress_bar
+from meshdepict.console import notes, progress_bar, say
 from meshdepict.errors import MeshdepictError
 
 __all__ = ["volume"]
@@ -105,7 +105,7 @@ def volume(
     }
     if surface is not None and (before or cuts):
         raise MeshdepictError("--before and --slice show voxels, --surface a mesh: leave one out")
-    _check_targets(output, (picture, before, *cuts), mesh=surface is not None, force=force)
+    _check_targets(source, output, (picture, before, *cuts), mesh=surface is not None, force=force)
     with notes(source, quiet=quiet), progress_bar(name, quiet=quiet) as progress:
         grid = _read(source, series, slope, intercept, spacing, tilt).cropped(**box)
         if figure.unit is None:
@@ -117,7 +117,7 @@ def volume(
     written = ", ".join(str(path) for path in filter(None, (output, picture, before, *cuts)))
     seconds = time.perf_counter() - start
     lamp = vars(look)["light"] or wanted.light
-    print(f"{written}: {method}, light {lamp}, {about}, {seconds:.1f} s")  # noqa: T201
+    say(f"{written}: {method}, light {lamp}, {about}, {seconds:.1f} s")
 
 
 def _shade_surface(
@@ -172,10 +172,15 @@ def _shade_voxels(
 
 
 def _check_targets(
-    output: Path | None, pictures: tuple[Path | None, ...], *, mesh: bool, force: bool
+    source: Path | None,
+    output: Path | None,
+    pictures: tuple[Path | None, ...],
+    *,
+    mesh: bool,
+    force: bool,
 ) -> None:
     """Refuse what can't be written, before anything is read."""
-    from meshdepict.baking.targets import check_target
+    from meshdepict.baking.targets import check_target, identities
     from meshdepict.drawing.picture import check_picture
     from meshdepict.io.source import WRITABLE, suffix_of
     from meshdepict.io.volumes import WRITABLE_VOLUMES
@@ -184,10 +189,10 @@ def _check_targets(
         wanted = tuple(WRITABLE if mesh else WRITABLE_VOLUMES)
         if not (suffix_of(output) in wanted or output.name.lower().endswith(wanted)):
             raise MeshdepictError(f"-o {output}: end the name with {', '.join(wanted)}")
-        check_target(output, force=force)
+        check_target(output, force=force, inputs=identities([source]))
     for path in filter(None, pictures):
         check_picture(path)
-        check_target(path, force=force)
+        check_target(path, force=force, inputs=identities([source]))
 
 
 def _read(

@@ -12,13 +12,14 @@ import time
 import webbrowser
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from typing import TYPE_CHECKING, Any
 
 from meshdepict.console import complain
 from meshdepict.errors import MeshdepictError
 from meshdepict.viewer.browser.desk import KINDS, Desk
 from meshdepict.viewer.browser.gate import Gate
+from meshdepict.viewer.browser.redirect import redirect
 from meshdepict.viewer.packing import pack_mesh
 from meshdepict.viewer.page import WEB
 
@@ -54,7 +55,7 @@ def serve(
     port : int
         0 takes a free one.
     open_browser : bool
-        Whether to open the address.
+        Whether to open the address; by way of a file, as command lines are for all to see.
     title : str
         What the page calls the shape.
     ready : callable, optional
@@ -82,11 +83,13 @@ def serve(
         sys.stdout.flush()
         complain("open this address in a browser; Ctrl+C ends it")
         if open_browser:
-            threading.Thread(target=webbrowser.open, args=(address,), daemon=True).start()
+            way = kept.enter_context(redirect(address))
+            threading.Thread(target=webbrowser.open, args=(way,), daemon=True).start()
         if ready is not None:
             ready(address)
 
     before = session.progress
+    kept = ExitStack()
     try:
         asyncio.run(_Server(Desk(session, title), port, started).run())
     except KeyboardInterrupt:
@@ -94,6 +97,7 @@ def serve(
     except OSError as error:
         raise _port_error(error, port) from error
     finally:
+        kept.close()
         session.progress = before
 
 
