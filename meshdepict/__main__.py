@@ -21,10 +21,9 @@ def _again(missed: "sys.UnraisableHookArgs") -> None:
     if missed.exc_type is not KeyboardInterrupt:
         sys.__unraisablehook__(missed)
         return
-    import _thread
     import threading
 
-    later = threading.Timer(0.05, _thread.interrupt_main)
+    later = threading.Timer(0.05, os.kill, (os.getpid(), signal.SIGINT))
     later.daemon = True
     later.start()
 

@@ -23,7 +23,7 @@ def say(text: str) -> None:
 
 
 def complain(message: object) -> None:
-    """Print one line on stderr; where there is nobody to read it, nothing."""
+    """Print one line on stderr; where nobody is left to read it, nothing."""
     line = printable(" ".join(str(message).split()))
     if sys.stderr is not None:
         with suppress(OSError):  # a closed pipe

@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING
 from meshdepict.baking.baked import Baked
 from meshdepict.baking.look import Look
 from meshdepict.baking.surfaces import bake_surface
-from meshdepict.baking.targets import check_target, identities, identity
+from meshdepict.baking.targets import check_target, identities
 from meshdepict.console import about, complain, notes, progress_bar, say
 from meshdepict.drawing.figure import Figure
 from meshdepict.drawing.framing import check_scale, frame

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import os
 import tomllib
 from collections.abc import Mapping
@@ -43,7 +44,8 @@ def load_recipe(path: str | os.PathLike[str]) -> dict[str, Any]:
     """
     regular(path)
     try:
-        read = tomllib.loads(Path(path).read_text(encoding="utf-8"))
+        text = Path(path).read_text(encoding="utf-8")
+        read = tomllib.loads(text, parse_float=_finite)
     except OSError as error:
         raise MeshdepictError(f"{path} can't be read: {error.strerror}") from None
     except RecursionError:
@@ -73,6 +75,14 @@ def load_recipe(path: str | os.PathLike[str]) -> dict[str, Any]:
     if isinstance(read.get("light"), list):
         read["light"] = tuple(read["light"])
     return located({**read, **options}, function, path)
+
+
+def _finite(text: str) -> float:
+    """Return a number; TOML has nan and inf, too, which no choice and no option can be."""
+    number = float(text)
+    if not math.isfinite(number):
+        raise ValueError(f"{text} is not a finite number")
+    return number
 
 
 def merge_recipe(recipe: Mapping[str, Any], given: Mapping[str, Any]) -> dict[str, Any]:

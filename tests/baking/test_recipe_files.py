@@ -137,6 +137,13 @@ def test_values_of_any_type_are_a_bake_or_one_sentence(folder, text):
     assert (done is not None and len(done.colors) == 42) or len(said.splitlines()) == 1
 
 
+@pytest.mark.parametrize("number", ["nan", "inf", "-inf", "1e400"])
+def test_numbers_that_are_none(folder, number):
+    Path("look.toml").write_text(f"ratio = {number}")
+    with pytest.raises(MeshdepictError, match=rf"no recipe in TOML: {number} is not a finite"):
+        load_recipe("look.toml")
+
+
 def test_numbers_of_thousands_of_digits(folder):
     Path("look.toml").write_text("ratio = " + "9" * 5000)
     with pytest.raises(MeshdepictError, match=r"look\.toml is no recipe in TOML"):

@@ -14,7 +14,6 @@ import numpy as np
 import pytest
 
 from meshdepict.baking.targets import identities, identity
-from meshdepict.console import plain
 from meshdepict.files import limits
 from meshdepict.io import write_mesh
 from meshdepict.shapes import samples
@@ -235,11 +234,6 @@ def test_a_browser_is_started_without_the_token(folder, ball_ply):
 
 
 # --- terminals ----------------------------------------------------------------------------------
-
-
-def test_control_characters_are_spelled_out():
-    assert plain("a\x1b]0;b\x07\x9bc\u202ed\r") == r"a\x1b]0;b\x07\x9bc\u202ed\r"
-    assert plain("σ ≥ 2 – é\n𝄞\u00a0x") == "σ ≥ 2 – é\n𝄞\u00a0x"
 
 
 def test_a_files_control_characters_never_reach_a_terminal(data, run, folder):
