@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING
 
 from meshdepict.baking.baked import Baked
 from meshdepict.baking.look import Look
+from meshdepict.baking.refinement import worth_refining
 from meshdepict.baking.surfaces import bake_surface
 from meshdepict.baking.targets import check_target
 from meshdepict.console import about, complain, notes, progress_bar
@@ -168,7 +169,11 @@ class Batch:
         if error is not None and error.rms > _VISIBLE:
             text = (
                 f"colours between vertices are off by {error.rms:.0f} of 255 grey levels (rms), at "
-                f"{error.share:.0%} of the edges by more than 2: --refine 2 splits triangles there"
+                f"{error.share:.0%} of the edges by more than 2: "
+            ) + (
+                "--refine 2 splits triangles there"
+                if worth_refining(mesh)
+                else "large triangles meet at sharp edges there, a finer mesh is needed"
             )
             complain(f"note: {about(job.source, text)}")
         return _caption(job, baked, time.perf_counter() - start)
