@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING
 
 from meshdepict.baking.baked import Baked
 from meshdepict.baking.look import Look
+from meshdepict.baking.refinement import worth_refining
 from meshdepict.baking.surfaces import bake_surface
 from meshdepict.baking.targets import check_target, identities
 from meshdepict.console import about, complain, notes, progress_bar, say
@@ -179,7 +180,11 @@ class Batch:
         if error is not None and error.rms > _VISIBLE:
             yield (
                 f"colours between vertices are off by {error.rms:.0f} of 255 grey levels (rms), at "
-                f"{error.share:.0%} of the edges by more than 2: --refine 2 splits triangles there"
+                f"{error.share:.0%} of the edges by more than 2: "
+            ) + (
+                "--refine 2 splits triangles there"
+                if worth_refining(mesh)
+                else "large triangles meet at sharp edges there, a finer mesh is needed"
             )
         strips = getattr(baked.shape.document, "has_strips", False)
         if strips and suffix_of(output) == ".ply":

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from meshdepict.scales.interpolated_scales import InterpolatedSpace
 from meshdepict.scales.space import ScaleSpace
 from meshdepict.shapes.mesh import Mesh
-from meshdepict.surface.planes import PiecewiseNormals, piecewise_normals
+from meshdepict.surface.piecewise_normals import PiecewiseNormals, piecewise_normals
 from meshdepict.surface.splitting import edge_pairs, midpoints, split_faces
 from meshdepict.surface.welding import same_position
 

@@ -18,7 +18,7 @@ __all__ = ["with_sampled_planes"]
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-_SPACING = 1.5  # longest edge, in widths of the narrowest Gaussian …
+_SPACING = 1.0  # longest edge beside a bend, in widths of the narrowest Gaussian …
 _SLOPE = 0.5  # … and as a share of the distance to the next bend, where that is more:
 _REACH = (
     4.0  # wide Gaussians alone reach so far from it; none beyond so many of the widest's widths

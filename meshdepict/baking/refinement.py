@@ -16,13 +16,15 @@ from meshdepict.options import real
 from meshdepict.scales.interpolated_scales import InterpolatedSpace
 from meshdepict.scales.space import ScaleSpace
 from meshdepict.shapes.mesh import Mesh
+from meshdepict.surface.coarseness import coarse_share
 
-__all__ = ["EdgeError", "edge_error", "midpoint_differences", "refine"]
+__all__ = ["EdgeError", "edge_error", "midpoint_differences", "refine", "worth_refining"]
 
 Ints = NDArray[np.int64]
 Floats = NDArray[np.float64]
 Shade = Callable[[Any], NDArray[Any]]
 
+_COARSE = 0.05  # of the area
 _SAMPLE = 5_000  # edges: the mean square of their errors is known to 3 %
 
 
@@ -122,6 +124,19 @@ def refine(
         values = np.concatenate([values, shaded[split]])
         finer.split(edges, middles, split)
     return finer.mesh(), values
+
+
+def worth_refining(mesh: Mesh) -> bool:
+    """Tell whether more triangles show more of the surface.
+
+    Not so where much of it is large triangles with other normals at their corners, and no planes
+    are found: what is between them is nobody's shape, and clearer than before.
+    """
+    unit = mesh.diagonal or 1.0
+    coarse = coarse_share(
+        mesh._unit_points, mesh._outward_faces, mesh.normals, edge=mesh.edge_length / unit
+    )
+    return coarse < _COARSE or FinerMesh(mesh).pieces is not None
 
 
 def midpoint_differences(ends: Floats, edges: Ints, middles: Floats) -> Floats:
