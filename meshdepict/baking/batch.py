@@ -19,7 +19,7 @@ from meshdepict.baking.baked import Baked
 from meshdepict.baking.look import Look
 from meshdepict.baking.refinement import worth_refining
 from meshdepict.baking.surfaces import bake_surface
-from meshdepict.baking.targets import check_target, identities
+from meshdepict.baking.targets import check_target, identities, identity
 from meshdepict.console import about, complain, notes, progress_bar, say
 from meshdepict.drawing.figure import Figure
 from meshdepict.drawing.framing import check_scale, frame
@@ -183,7 +183,7 @@ class Batch:
                 f"{error.share:.0%} of the edges by more than 2: "
             ) + (
                 "--refine 2 splits triangles there"
-                if worth_refining(mesh)
+                if worth_refining(baked.shape)
                 else "large triangles meet at sharp edges there, a finer mesh is needed"
             )
         strips = getattr(baked.shape.document, "has_strips", False)
