@@ -131,7 +131,21 @@ def as_mesh(shape: Any) -> Mesh:
     )
 
 
-def own_colors(mesh: Mesh) -> NDArray[np.uint8]:
+def own_colors(shape: Any) -> NDArray[np.uint8]:
+    """Return a mesh's own vertex colours, or an image's own, or those of the mesh that it shows."""
+    if shape.kind != "image":
+        return _mesh_colors(shape)
+    if shape.colors is not None:
+        return shape.colors
+    if shape.mesh is None:
+        raise MeshdepictError(
+            "albedo='keep' needs the image's own colours: give them as from_images(colors=…)"
+        )
+    linear = color.srgb_to_linear(_mesh_colors(shape.mesh) / np.float32(255))
+    return color.encode(shape.sample(linear), linear=True)
+
+
+def _mesh_colors(mesh: Mesh) -> NDArray[np.uint8]:
     """Return the mesh's own vertex colours; those a former bake set aside come first."""
     from meshdepict.shapes.colors import vertex_colors
 

@@ -17,7 +17,14 @@ from meshdepict.files.reach import regular
 if TYPE_CHECKING:
     from meshdepict.scene.view import View
 
-__all__ = ["SurfaceImages", "depth_unit", "fitted_depth_scale", "read_image", "surface_images"]
+__all__ = [
+    "SurfaceImages",
+    "depth_unit",
+    "fitted_depth_scale",
+    "image_colors",
+    "read_image",
+    "surface_images",
+]
 
 Floats = NDArray[np.float64]
 
@@ -156,6 +163,30 @@ def surface_images(
     if shade is not None:
         shade = shade / _largest(shade)
     return SurfaceImages(vectors, there, away, shade)
+
+
+def image_colors(given: ArrayLike | str | Path, size: tuple[int, ...]) -> NDArray[np.uint8]:
+    """Return the display colours (h, w, 3) of an array or a file; see `GBuffer.from_images`.
+
+    Raises
+    ------
+    MeshdepictError
+        For a file that can't be read, another size, and numbers that are no colours.
+    """
+    array = _array(given, "colors")
+    if array.ndim != 3 or array.shape[2] not in (3, 4):
+        raise MeshdepictError(
+            f"colors have three channels and perhaps alpha, not the shape {array.shape}"
+        )
+    if array.shape[:2] != size:
+        raise MeshdepictError(
+            f"images of different sizes: colors have the shape {array.shape[:2]}, the normal map "
+            f"{size} (rows, columns)"
+        )
+    fractions = array[..., :3].astype(np.float64) / _largest(array)
+    if not ((fractions >= 0) & (fractions <= 1)).all():
+        raise MeshdepictError("colors must be unsigned integers, or numbers from 0 to 1")
+    return np.rint(255 * fractions).astype(np.uint8)
 
 
 def depth_unit(scale: float | str, images: SurfaceImages, view: View) -> float:

@@ -48,6 +48,8 @@ class GBuffer(PixelSamples):
         ``barycentric``, its coordinates there (n, 3).
     openness : (n,) array or None
         Ambient occlusion that came with images: 1 where open.
+    colors : (n, 3) array of uint8 or None
+        Display colours that came with images: those of the surface itself.
 
     Raises
     ------
@@ -66,6 +68,7 @@ class GBuffer(PixelSamples):
         depths: ArrayLike,
         *,
         openness: ArrayLike | None = None,
+        colors: ArrayLike | None = None,
     ) -> None:
         super().__init__(view, mask, depths)
         count = len(self.depths)
@@ -76,6 +79,12 @@ class GBuffer(PixelSamples):
                 f"normals of {off:,} pixels are not of unit length: normalise them"
             )
         self.openness = None if openness is None else finite(openness, (count,), "openness")
+        self.colors: NDArray[np.uint8] | None = None
+        if colors is not None:
+            levels = finite(colors, (count, 3), "colors")
+            if ((levels < 0) | (levels > 255) | (levels % 1 != 0)).any():
+                raise MeshdepictError("colors must be whole numbers from 0 to 255")
+            self.colors = frozen(levels.astype(np.uint8))
         self.mesh: Mesh | None = None
         self.triangle: NDArray[np.int32] | None = None
         self.barycentric: Floats | None = None
@@ -140,6 +149,7 @@ class GBuffer(PixelSamples):
         view: View | None = None,
         green: str = "up",
         depth_scale: float | str = 1.0,
+        colors: ArrayLike | str | Path | None = None,
     ) -> GBuffer:
         """Take a normal map, and what else there is: arrays, or image files.
 
@@ -163,6 +173,9 @@ class GBuffer(PixelSamples):
         depth_scale : float or "fit"
             World units per unit of the depth image; negative where near is bright. "fit" takes
             what makes the slopes of the depth those of the normals.
+        colors : (h, w, 3 or 4) array_like or path, optional
+            Display colours of the surface, as an RGBN image has them: unsigned numbers, or
+            fractions. ``albedo="keep"`` multiplies them.
 
         Raises
         ------
@@ -170,7 +183,7 @@ class GBuffer(PixelSamples):
             For files that can't be read, images of different sizes, an empty mask, and values that
             make no sense.
         """
-        from meshdepict.images.image_files import depth_unit, surface_images
+        from meshdepict.images.image_files import depth_unit, image_colors, surface_images
         from meshdepict.scene.view import View
 
         if view is not None and not isinstance(view, View):
@@ -187,7 +200,11 @@ class GBuffer(PixelSamples):
         if found.depth is not None:
             away = found.depth * depth_unit(depth_scale, found, view)
         openness = None if found.occlusion is None else found.occlusion[here]
-        return cls(view, here, found.normals[here] @ view.frame, away[here], openness=openness)
+        shown = None if colors is None else image_colors(colors, here.shape)[here]
+        return cls(
+            view, here, found.normals[here] @ view.frame, away[here],
+            openness=openness, colors=shown,
+        )  # fmt: skip
 
     def __repr__(self) -> str:
         """Return size and number of samples."""
