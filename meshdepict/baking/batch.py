@@ -11,7 +11,7 @@ import warnings
 from collections.abc import Hashable, Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from os.path import exists, isdir  # unlike Path's, these never raise
+from os.path import exists, isdir, realpath  # unlike Path's, these never raise
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -19,7 +19,7 @@ from meshdepict.baking.baked import Baked
 from meshdepict.baking.look import Look
 from meshdepict.baking.refinement import worth_refining
 from meshdepict.baking.surfaces import bake_surface
-from meshdepict.baking.targets import check_target, identities, identity
+from meshdepict.baking.targets import check_target, identities
 from meshdepict.console import about, complain, notes, progress_bar, say
 from meshdepict.drawing.figure import Figure
 from meshdepict.drawing.framing import check_scale, frame
@@ -100,11 +100,11 @@ class Batch:
                         "(end the name with / and it is made)"
                     )
         sources: Sequence[Path | None] = self.inputs or [None]
-        jobs: dict[Hashable, Job] = {}  # by the file that they write
+        jobs: dict[str, Job] = {}  # by the file that they write
         for source in sources:
             try:
                 job = self._plan(source)
-                twin = jobs.setdefault(identity(job.output), job)
+                twin = jobs.setdefault(realpath(job.output), job)
                 if twin is not job:
                     raise MeshdepictError(
                         f"{source} would become {job.output} as {twin.source} does: "

@@ -47,4 +47,4 @@ def isosurface(volume: Volume, value: float) -> Mesh:
     vertices = volume.to_world(np.asarray(found.points, np.float64))
     if np.linalg.det(volume.direction) < 0:
         faces = faces[:, ::-1]
-    return Mesh(vertices, faces, winding="keep")
+    return Mesh(vertices, faces, winding="keep", length_unit=volume.length_unit)

@@ -403,6 +403,14 @@ def test_colours_that_are_off_between_vertices_are_said_so_until_refined(run, ba
     assert (status, err) == (0, [])
 
 
+def test_refining_is_not_recommended_where_it_shows_no_more_of_the_surface(run, data, folder):
+    beetle = str(data / "mesh" / "beetle_2k.ply")
+    status, _, (note,) = run("bake", beetle, "-m", "lambert", "--winding", "keep")
+    assert status == 0
+    assert "large triangles meet at sharp edges there, a finer mesh is needed" in note
+    assert "--refine" not in note
+
+
 def test_a_page_that_turns_is_a_format_like_others(run, ball_ply, folder):
     words = ["bake", "ball.ply", "-m", "gooch", "-o", "ball.html"]
     assert run(*words)[0] == 0

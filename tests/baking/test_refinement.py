@@ -6,9 +6,14 @@ from conftest import angle_between
 
 import meshdepict as md
 from meshdepict.baking import refinement
+from meshdepict.baking.finer_mesh import FinerMesh
+from meshdepict.baking.plane_sampling import with_sampled_planes
 from meshdepict.color.srgb import linear_to_srgb
 from meshdepict.errors import MeshdepictError
+from meshdepict.io import read_mesh
 from meshdepict.scales.interpolated_scales import InterpolatedSpace
+from meshdepict.scales.mesh_scales import mesh_space
+from meshdepict.scales.smoothing import NormalSums
 from meshdepict.shading import METHODS, declaration
 from meshdepict.shapes.mesh import Mesh
 from meshdepict.shapes.samples import sphere as make_sphere
@@ -174,6 +179,137 @@ def test_old_vertices_come_first_with_their_colours_and_attributes(ball):
     assert set(attributes["face"]["part"]) == set(range(len(ball.faces)))
     assert fine.edge_error is None
     assert "to 2 grey levels" in fine.provenance["refined"]
+
+
+# --- planes and sharp edges -----------------------------------------------------------------------
+
+
+def grey(values):
+    return 255 * linear_to_srgb(values)
+
+
+def box(size=(4, 3, 1)):
+    corners = np.array([(x, y, z) for x in (0, 1) for y in (0, 1) for z in (0, 1)], float)
+    faces = [(0, 1, 3), (0, 3, 2), (4, 6, 7), (4, 7, 5), (0, 4, 5), (0, 5, 1),
+             (2, 3, 7), (2, 7, 6), (0, 2, 6), (0, 6, 4), (1, 5, 7), (1, 7, 3)]  # fmt: skip
+    return Mesh(corners * size, faces)
+
+
+def inside_of_walls(mesh, size=(4, 3, 1)):
+    """Which vertices lie within a wall of the box, not on its edges, and the walls' normals."""
+    low, high = mesh.vertices == 0, mesh.vertices == size
+    within = (low | high).sum(axis=1) == 1
+    return within, high.astype(float) - low
+
+
+@pytest.mark.parametrize("light", [(-1, 1, 1), (0, 0, 1)])
+def test_what_is_new_on_a_plane_is_lit_as_the_plane(light):
+    # From straight above, all corners of all walls are lit alike, and so are the edges' middles.
+    fine = md.bake(box(), "lambert", light=light, refine=2)
+    within, normals = inside_of_walls(fine.shape)
+    toward = np.array(light) / np.linalg.norm(light)
+    expected = np.clip(normals[within] @ toward, 0, 1)
+    assert np.abs(grey(fine.intensity[within]) - grey(expected)).max() < 0.01
+    assert is_balanced(fine.shape.faces, len(fine.shape.vertices))
+    # What is not lit as a wall is a narrow seam along the edges.
+    tones = grey(fine.intensity)[fine.shape.faces]
+    even = np.ptp(tones, axis=1) <= 2
+    areas = face_areas(fine.shape.vertices, fine.shape.faces)
+    assert areas[even].sum() > 0.85 * areas.sum()
+    np.testing.assert_allclose(areas.sum(), 2 * (12 + 4 + 3))
+
+
+@pytest.mark.parametrize("name", [n for n in LOCAL if declaration(METHODS[n]).scales])
+def test_smoothed_methods_are_even_in_the_middle_of_a_plane(name):
+    fine = md.bake(box(), name, width="1%", scales=3, ratio=2**0.5, refine=60)
+    vertices = fine.shape.vertices
+    top = vertices[:, 2] == 1
+    # Five of the widest widths and more from every edge.
+    middle = top & (np.abs(vertices[:, :2] - (2, 1.5)) < (1.4, 0.9)).all(axis=1)
+    assert middle.sum() > 20
+    assert (255 * np.ptp(fine.intensity[middle], axis=0)).max() < 0.5
+
+
+@pytest.fixture
+def box_apart():
+    """A box of triangles that share no vertices."""
+    joined = box()
+    return Mesh(joined.vertices[joined.faces.ravel()], np.arange(36).reshape(12, 3))
+
+
+def test_triangles_with_vertices_of_their_own_are_lit_as_planes_from_edge_to_edge(box_apart):
+    fine = md.bake(box_apart, "lambert", light=(1, 2, 3), refine=2)
+    assert len(fine.shape.faces) == 12
+    a, b, c = fine.shape.vertices[fine.shape.faces].swapaxes(0, 1)
+    normals = np.cross(b - a, c - a)
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    exact = np.clip(normals @ (1, 2, 3) / np.sqrt(14), 0, 1)
+    np.testing.assert_allclose(
+        fine.intensity[fine.shape.faces], np.repeat(exact[:, None], 3, axis=1), atol=1e-6
+    )
+
+
+def test_copies_of_vertices_along_seams_are_split_alike(box_apart):
+    fine = md.bake(box_apart, scales=2, width="3%", light=(1, 2, 3), refine=20).shape
+    assert len(fine.faces) > 100
+    label = np.unique(fine.vertices, axis=0, return_inverse=True)[1].ravel()
+    assert is_balanced(label[fine.faces], int(label.max()) + 1)
+
+
+def test_sums_take_corner_normals_for_what_they_are(ball):
+    own = md.scale_space(ball, scales=3)
+    same = mesh_space(
+        ball, own.widths, own.ratio, facing=1, tolerance=1e-4,
+        normals=(ball.normals, ball.normals[ball.faces]),
+    )  # fmt: skip
+    assert angle_between(same.normals, own.normals).max() < 2e-4
+
+
+def test_sums_over_a_part_are_integrals_over_its_faces():
+    space = md.scale_space(box(), scales=2, width="5%")
+    finer, again = with_sampled_planes(FinerMesh(space.shape), space)
+    assert len(finer.faces) > 100
+    sums = NormalSums(again.shape, 1, 1e-4, corner_normals=finer.pieces.corners).channels.sum(
+        axis=1
+    )
+    mass, first, second = sums[0], sums[1:4], sums[4:]
+    np.testing.assert_allclose(first / mass, 0, atol=1e-12)  # of a closed surface
+    walls = np.array([3, 4, 12]) / 19  # shares of the surface that face along x, y and z
+    np.testing.assert_allclose(second / mass, [*walls, 0, 0, 0], atol=1e-12)
+
+
+@pytest.mark.parametrize("name", ["fandisk_13k", "gears_19k"])
+def test_parts_come_nearer_to_their_geometry_than_before(data, name):
+    part = read_mesh(data / "mesh" / f"{name}.ply")
+    view = md.View.fitted("isometric", part, height_px=300)
+    light = (0.3, 1, 0.6)
+    seen = md.GBuffer.of(part, view, size=(300, 300))
+    a, b, c = part.vertices[part._outward_faces].swapaxes(0, 1)
+    normals = np.cross(b - a, c - a)
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    exact = np.clip(normals[seen.triangle] @ np.array(light) / np.linalg.norm(light), 0, 1)
+    reference = seen.image(grey(exact))
+
+    def error(baked):
+        buffer = md.GBuffer.of(baked.shape, view, size=(300, 300))
+        picture = buffer.image(buffer.sample(grey(baked.intensity)))
+        both = buffer.mask & seen.mask
+        off = np.abs(picture - reference)[both]
+        return np.sqrt(np.mean(off**2)), np.mean(off > 8)
+
+    plain = error(md.bake(part, "lambert", light=light))
+    fine = error(md.bake(part, "lambert", light=light, refine=2))
+    # A fifth of the pixels at the most is left: facets of what is round, and lines of the edges.
+    assert fine[0] < plain[0] / 2
+    assert fine[1] < plain[1]
+
+
+def test_refining_is_worth_it_unless_large_triangles_are_no_planes(ball, data):
+    assert refinement.worth_refining(ball)
+    assert refinement.worth_refining(box())
+    for name, worth in (("beetle_2k", False), ("gears_19k", True), ("bunny_69k", True)):
+        mesh = read_mesh(data / "mesh" / f"{name}.ply", winding="keep")
+        assert refinement.worth_refining(mesh) == worth
 
 
 # --- what is refused ------------------------------------------------------------------------------
