@@ -174,6 +174,13 @@ class Choices:
         words = "".join(f", {name}={value!r}" for name, value in self.words().items())
         return f"{type(self).__name__}({self.method!r}{words})"
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Return what makes it again in another process: a method that has a name, by its name."""
+        from meshdepict.shading.registry import METHODS
+
+        named = METHODS.get(self.method) is self.function
+        return _again, (type(self), self.method if named else self.function, self.words())
+
     @property
     def declared(self) -> Declaration:
         """What the method declares."""
@@ -261,6 +268,10 @@ class Choices:
         if kind == "image" and "curvature" in options_of(self.function):
             follows["curvature"] = self.options.get("curvature", "view")  # as its paper has it
         return self.replace(**follows)
+
+
+def _again(kind: type[Choices], method: str | Callable[..., Any], words: dict[str, Any]) -> Choices:
+    return kind(method, **words)
 
 
 @functools.cache

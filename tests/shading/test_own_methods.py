@@ -1,6 +1,7 @@
 """A person's own method: a function made by `md.method`, wherever it stands."""
 
 import inspect
+import pickle
 from typing import Annotated, Optional
 
 import numpy as np
@@ -123,6 +124,16 @@ def test_its_recipe_is_loaded_where_its_name_is_known(ball, folder, monkeypatch)
     np.testing.assert_array_equal(
         md.bake(ball, **recipe).colors, md.bake(ball, stripes, count=7).colors
     )
+
+
+def test_its_look_travels_to_other_processes_as_it_is(ball):
+    for method in (lambert, "lambert", "toon"):
+        look = md.Look(method, light="west", exposure=0.5)
+        there = pickle.loads(pickle.dumps(look))
+        assert there.function is look.function
+        assert there.words() == look.words() == {"light": "west", "exposure": 0.5}
+        np.testing.assert_array_equal(there.bake(ball).colors, look.bake(ball).colors)
+    assert b"shading.toon" not in pickle.dumps(md.Look("toon"))  # by its name alone
 
 
 # --- what is read from it -------------------------------------------------------------------------
