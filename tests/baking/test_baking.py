@@ -282,9 +282,19 @@ def test_what_can_be_refused_is_refused_before_the_work(small, sums):
     assert sums == []
 
 
-@pytest.mark.parametrize("shape", [3, None, np.eye(3), pv.ImageData(), trimesh.Scene(), [1, 2]])
+@pytest.mark.parametrize("shape", [3, None, np.eye(3), [1, 2]])
 def test_what_is_no_shape(shape):
     with pytest.raises(MeshdepictError, match=r"is not a shape: give a path, a Mesh, a pyvista"):
+        as_mesh(shape)
+
+
+@pytest.mark.parametrize(
+    ("shape", "sentence"),
+    [(pv.ImageData(), r"ImageData, which is a volume: .* bake_volume"),
+     (trimesh.Scene(), "Scene, which holds no mesh")],
+)  # fmt: skip
+def test_what_others_hold_that_is_no_mesh(shape, sentence):
+    with pytest.raises(MeshdepictError, match=sentence):
         as_mesh(shape)
 
 
