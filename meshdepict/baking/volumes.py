@@ -180,7 +180,7 @@ def as_volume(volume: Any) -> Volume:
         from meshdepict.io.volumes import read_volume
 
         return read_volume(volume)
-    if hasattr(volume, "GetSpacing") and hasattr(volume, "point_data"):
+    if hasattr(volume, "GetClassName"):  # of VTK: an image, or what says which call makes one
         return Volume.from_pyvista(volume)
     raise MeshdepictError(
         f"a {type(volume).__name__} is not a volume: give a path, a Volume, a GridSpace or a "

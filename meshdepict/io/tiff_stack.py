@@ -87,7 +87,8 @@ def _plain(path: Path, pages: list[Page], scale: Scale, notes: list[str]) -> NDA
     if len(pages) == 1 and scale.slices > 1:  # ImageJ's way round TIFF's 4 GB
         offsets = first.entries.get("offsets", [0])
         start = int(offsets[0])
-        check_amount((columns, rows, scale.slices), kind.itemsize, max(size - start, 0), [])
+        there = min(max(size - start, 0), scale.slices * slice_)  # its directory is behind them
+        check_amount((columns, rows, scale.slices), kind.itemsize, there, [])
         return np.fromfile(path, kind, scale.slices * rows * columns, offset=start).reshape(
             scale.slices, rows, columns
         )

@@ -207,9 +207,11 @@ class _Base64:
 
 def _inflated(compressor: str, data: Any, wanted: int) -> bytes:
     if compressor == "vtkZLibDataCompressor":
-        return zlib.decompressobj().decompress(bytes(data), wanted)
+        unpacking = zlib.decompressobj()
+        found = unpacking.decompress(bytes(data), wanted + 1)  # one more: then its sum is checked
+        return found if unpacking.eof else b""
     if compressor == "vtkLZMADataCompressor":
-        return lzma.LZMADecompressor().decompress(bytes(data), wanted)
+        return lzma.LZMADecompressor().decompress(bytes(data), wanted + 1)
     if compressor == "vtkLZ4DataCompressor":
         return _unpacked_lz4(bytes(data), wanted)
     raise ValueError(f"it is compressed by the unknown {compressor[:40]!r}")
@@ -288,7 +290,7 @@ def parse_vtk(data: bytes) -> VtkXml:
         parser.Parse(start, True)  # noqa: FBT003
     except expat.ExpatError as error:
         raise MeshdepictError(f"{_WRONG}: {expat.ErrorString(error.code)}") from error
-    except ValueError as error:  # an encoding that nobody knows
+    except (ValueError, LookupError) as error:  # an encoding that nobody knows
         if isinstance(error, MeshdepictError):
             raise
         raise MeshdepictError(f"{_WRONG}: {error}") from error
