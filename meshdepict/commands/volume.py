@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import time
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
@@ -108,8 +107,6 @@ def volume(
     _check_targets(source, output, (picture, before, *cuts), mesh=surface is not None, force=force)
     with notes(source, quiet=quiet), progress_bar(name, quiet=quiet) as progress:
         grid = _read(source, series, slope, intercept, spacing, tilt).cropped(**box)
-        if figure.unit is None:
-            page = replace(page, unit=grid.length_unit)
         if surface is not None:
             about = _shade_surface(grid, surface, wanted, progress, output, picture, page)
         else:

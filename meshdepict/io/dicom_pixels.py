@@ -186,9 +186,26 @@ def _bare(one: Slice, start: int) -> bytes:
         + short(0x00280102, min(one.number("0028|0102", used - 1), 65535))
         + short(0x00280103, one.tag("0028|0103") == "1")
     )
-    with one.path.open("rb") as file:
-        file.seek(start)
-        fragments = file.read()
+    fragments = _fragments(one, start)
     pixels = struct.pack("<HH2sxxI", 0x7FE0, 0x0010, b"OB", 0xFFFFFFFF) + fragments
     length = element(0x00020000, b"UL", struct.pack("<I", len(meta)))
     return bytes(128) + b"DICM" + length + meta + body + pixels
+
+
+def _fragments(one: Slice, start: int) -> bytes:
+    """Return compressed fragments up to the mark at their end; GDCM believes their lengths."""
+    data: Any = one.file.data
+    if not len(data):
+        with one.path.open("rb") as file:
+            file.seek(start)
+            data, start = file.read(), 0
+    at = start
+    while at + 8 <= len(data):
+        group, element, length = struct.unpack_from("<HHI", data, at)
+        at += 8
+        if (group, element) == (0xFFFE, 0xE0DD):
+            return bytes(data[start:at])
+        if (group, element) != (0xFFFE, 0xE000) or at + length > len(data):
+            break
+        at += length
+    raise MeshdepictError(f"holds a damaged file, {one.path.name}: its compressed pixels don't end")

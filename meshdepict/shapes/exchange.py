@@ -226,7 +226,7 @@ def image_contents(image: Any) -> tuple[NDArray[Any], dict[str, Any], str | None
     """
     import pyvista as pv
 
-    if hasattr(image, "GetClassName") and not hasattr(image, "point_data"):
+    if hasattr(image, "GetClassName") and not isinstance(image, pv.DataObject):
         image = pv.wrap(image)  # VTK's own
     if not isinstance(image, pv.ImageData):
         raise MeshdepictError(_no_image(image))

@@ -159,3 +159,68 @@ def test_a_volume_is_no_mesh_to_bake(folder):
     with pytest.raises(MeshdepictError, match=r"head.nrrd is a volume, not a mesh"):
         md.bake("head.nrrd")
     assert md.read("head.nrrd").values.shape == volume.values.shape
+
+
+# --- units, tilts and memory ------------------------------------------------------------------
+
+
+@pytest.fixture
+def labels(monkeypatch):
+    """What scale bars say."""
+    from meshdepict.drawing import scale_bar
+
+    told, choose = [], scale_bar.scale_bar
+
+    def spy(*args, **kwargs):
+        bar = choose(*args, **kwargs)
+        told.append(bar.label)
+        return bar
+
+    monkeypatch.setattr(scale_bar, "scale_bar", spy)
+    return told
+
+
+@pytest.mark.parametrize(
+    ("unit", "said", "shown"),
+    [("µm", [], "µm"), ("", [], "units"), ("mm", [], "mm"), ("µm", ["--unit", "nm"], "nm")],
+)
+@pytest.mark.parametrize("surface", [[], ["--surface", "200"]])
+def test_the_scale_bar_has_the_files_unit_or_none(run, labels, unit, said, shown, surface):
+    head = md.samples.ct_phantom((24, 24, 24))
+    volume = md.Volume(head.values, spacing=head.spacing, hounsfield=True, length_unit=unit)
+    write_volume("head.nrrd", volume.values, volume)
+    words = ["--scale-bar", "--size", "200x200", "--scales", "1", "--quiet", *said, *surface]
+    assert run("volume", "head.nrrd", "--picture", "a.png", *words)[0] == 0
+    assert [label.split(" ")[1] for label in labels] == [shown]
+
+
+def test_a_tilted_gantry_is_resampled_or_refused(run):
+    from dicom_files import write_dicom
+
+    head = md.samples.ct_phantom((24, 24, 24)).values
+    Path("ct").mkdir()
+    for z, plane in enumerate(head):
+        write_dicom(Path("ct", f"{z}.dcm"), plane, position=(0, 0.3 * z, z), intercept=0)
+    words = ["volume", "ct", "--scales", "1", "--size", "60x60"]
+    status, _, (note, *_) = run(*words)
+    assert status == 0
+    assert "tilted by 16.7°, its slices are resampled to a straight grid" in note
+    status, out, (sentence,) = run(*words, "--tilt", "refuse")
+    assert (status, out) == (2, [])
+    assert "the gantry was tilted by 16.7°; resample it first" in sentence
+    assert run(*words, "--tilt", "keep")[0] == 2
+
+
+def test_memory_for_a_files_contents_is_raised_by_hand(run):
+    values = np.zeros((40, 40, 40), np.int16)
+    values[10:20, 10:20, 10:20] = 800
+    volume = md.Volume(values, hounsfield=True)
+    write_volume("a.nii.gz", values, volume)
+    words = ["volume", "a.nii.gz", "--scales", "1", "--size", "60x60", "--quiet", "--slope", "1"]
+    status, out, (sentence,) = run(*words, "--max-memory", "1kB")
+    assert (status, out) == (2, [])
+    assert "claims more voxels than the 1 kB of memory hold" in sentence
+    assert run(*words, "--max-memory", "1MB")[0] == 0
+    status, _, (sentence,) = run(*words, "--max-memory", "much")
+    assert status == 2
+    assert "max-memory 'much' is no amount of memory such as 4GB" in sentence

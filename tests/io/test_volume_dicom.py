@@ -314,8 +314,9 @@ def test_files_that_are_cut_off_are_left_out_with_a_warning(series):
         read_volume(series / "042.dcm")
 
 
-def test_damaged_pixels_are_refused(series, monkeypatch):
-    monkeypatch.setattr("meshdepict.io.dicom_pixels._PLAIN", ())  # as if compressed
+def test_damaged_pixels_are_refused(tmp_path, monkeypatch):
+    raw = stored(phantom())
+    series = write_series(tmp_path, raw, phantom(), syntax=RLE, pixels=run_lengths(raw[:1]))
 
     def fail(*_, **__):
         raise RuntimeError("ITK ERROR: GDCMImageIO(0x55ef): bad JPEG stream")

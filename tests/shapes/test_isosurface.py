@@ -100,3 +100,10 @@ def test_nested_shells_look_out_of_what_is_dense():
         here = np.abs(radius - shell) < 1
         assert here.any()
         assert (outwards[here] == side).all()
+
+
+def test_a_surface_is_in_the_volumes_unit_of_length():
+    ball_in_mm = md.samples.ct_phantom((24, 24, 24))
+    assert ball_in_mm.length_unit == "mm"
+    assert isosurface(ball_in_mm, 200).length_unit == "mm"
+    assert isosurface(ball(np.eye(3)), 0.0).length_unit == ""
