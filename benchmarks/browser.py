@@ -97,7 +97,7 @@ class Page:
             self.tab = Chromium(Path(folder), size=(1304, 830))
             stack.callback(self.tab.close)
             self.tab.open(server.stdout.readline().strip())
-            self.tab.wait("+document.querySelector('canvas')?.dataset.frames > 0", 60)
+            self.tab.wait("+document.querySelector('canvas')?.dataset.frames > 0")
             self.slide(method, 3)
             self.open = stack.pop_all()
 

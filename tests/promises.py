@@ -56,7 +56,9 @@ def arrays_of(thing: Any, depth: int = 0) -> Iterator[np.ndarray]:
             for value in thing:
                 yield from arrays_of(value, depth)
     elif depth < 2 and is_ours(thing) and hasattr(thing, "__dict__"):
-        yield from arrays_of(vars(thing), depth + 1)  # a scale space's, and its shape's
+        # A scale space's, and its shape's; what a file says beside them is the file's, NaN and all.
+        own = {name: value for name, value in vars(thing).items() if name != "attributes"}
+        yield from arrays_of(own, depth + 1)
 
 
 def is_ours(thing: Any) -> bool:

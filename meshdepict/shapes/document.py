@@ -127,7 +127,8 @@ def as_bytes(values: NDArray[Any]) -> NDArray[np.uint8]:
     if values.dtype == np.uint8:
         return values
     whole = values.dtype.kind in "iu"
-    finite = values if whole else np.nan_to_num(values, posinf=255, neginf=0).clip(0, _WHITE)
+    wide = values.astype(np.float32) if values.dtype == np.float16 else values
+    finite = values if whole else np.nan_to_num(wide, posinf=255, neginf=0).clip(0, _WHITE)
     lit = finite[finite > 0]
     usual = np.median(lit) if lit.size else 0.0
     if usual > 255:

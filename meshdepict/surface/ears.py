@@ -8,8 +8,9 @@ whether they lie in it: those in its cells of a grid.
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
+
+from meshdepict.threads import kernel
 
 __all__ = ["clip_large"]
 
@@ -38,7 +39,7 @@ def clip_large(flat: Floats) -> Ints:
     return triangles
 
 
-@njit(nogil=True, cache=True, error_model="numpy")
+@kernel()
 def _clip(
     flat: Floats, low: Floats, size: Floats, side: int, order: Ints, start: Ints, triangles: Ints
 ) -> None:
@@ -93,7 +94,7 @@ def _clip(
     triangles[made, 0], triangles[made, 1], triangles[made, 2] = before[at], at, after[at]
 
 
-@njit(nogil=True, cache=True, error_model="numpy")
+@kernel()
 def _is_ear(
     flat: Floats,
     low: Floats,
@@ -129,14 +130,14 @@ def _is_ear(
     return True
 
 
-@njit(nogil=True, cache=True, error_model="numpy")
+@kernel()
 def _span(a: float, b: float, c: float, low: float, size: float, side: int) -> tuple[int, int]:
     """Return the first and the last of the cells that three coordinates span."""
     first, last = int((min(a, b, c) - low) / size), int((max(a, b, c) - low) / size)
     return min(first, side - 1), min(last, side - 1)
 
 
-@njit(nogil=True, cache=True, error_model="numpy")
+@kernel()
 def _turn(flat: Floats, a: int, b: int, c: int) -> float:
     """Return twice the signed area of the triangle (a, b, c)."""
     return (flat[b, 0] - flat[a, 0]) * (flat[c, 1] - flat[a, 1]) - (flat[b, 1] - flat[a, 1]) * (
@@ -144,6 +145,6 @@ def _turn(flat: Floats, a: int, b: int, c: int) -> float:
     )
 
 
-@njit(nogil=True, cache=True, error_model="numpy")
+@kernel()
 def _same(flat: Floats, a: int, b: int) -> bool:
     return bool(flat[a, 0] == flat[b, 0] and flat[a, 1] == flat[b, 1])

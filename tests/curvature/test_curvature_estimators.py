@@ -140,6 +140,7 @@ def cube():
     ]
 
 
+@pytest.mark.filterwarnings("ignore:.*are there twice")
 @pytest.mark.parametrize("method", ESTIMATORS)
 @pytest.mark.parametrize(
     ("vertices", "faces"), [pytest.param(*m[1:], id=m[0]) for m in odd_meshes()]
@@ -187,6 +188,7 @@ def test_derived_values():
         found.k1[0] = 1
 
 
+@pytest.mark.filterwarnings("ignore:.*are there twice")
 @pytest.mark.parametrize("method", ESTIMATORS)
 @pytest.mark.parametrize(
     "name", ["bunny_69k", "gears_19k", "dragon_203k", "beetle_2k", "fandisk_13k"]

@@ -48,6 +48,7 @@ def test_normals_are_within_the_tolerance(ball, facing, tolerance, rng):
     assert angles[bound].max() <= tolerance
 
 
+@pytest.mark.filterwarnings("ignore:.*are there twice")
 @pytest.mark.parametrize("facing", [0, 1])
 @pytest.mark.parametrize("name", ["bunny_69k", "gears_19k", "dragon_203k", "beetle_2k"])
 def test_normals_of_real_scans_are_within_the_tolerance(data, name, facing, rng):
