@@ -215,11 +215,9 @@ class Choices:
 
     def shade(self, space: Any, light: Any, view: View) -> Any:
         """Return what the method makes of a scale space's samples under a light."""
-        needed = {"view": view} if "view" in self.declared.needs else {}
-        if self.two_sided:
-            from meshdepict.scales.seen_side import SeenSide
-
-            space = SeenSide(space, view)
+        needed: dict[str, Any] = {"two_sided": True} if self.two_sided else {}
+        if needed or "view" in self.declared.needs:
+            needed["view"] = view
         return self.function(space, light, **needed, **self.options)
 
     def words(self) -> dict[str, Any]:

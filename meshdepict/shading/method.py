@@ -111,12 +111,14 @@ def method(
         ours = function.__module__.partition(".")[0] == __name__.partition(".")[0]
 
         @functools.wraps(function)
-        def shade(space: Any, light: Any = None, **given: Any) -> Any:
+        def shade(space: Any, light: Any = None, *, two_sided: bool = False, **given: Any) -> Any:
             if not hasattr(space, "widths"):
                 raise MeshdepictError(
                     f"{name} shades a ScaleSpace, not a {type(space).__name__}: make one with "
                     "scale_space, or let bake do so"
                 )
+            if two_sided is not False:
+                space = _seen_side(space, two_sided, given, sees="view" in others)
             known = options_of(function)
             options = {
                 key: value for key, value in given.items() if key in known or key not in others
@@ -132,6 +134,17 @@ def method(
         return cast("Function", shade)
 
     return declare
+
+
+def _seen_side(space: Any, two_sided: Any, given: dict[str, Any], *, sees: bool) -> Any:
+    """Return a scale space turned to the eye: what every method does if it is ``two_sided``."""
+    from meshdepict.scales.seen_side import SeenSide
+    from meshdepict.scene.names import as_view
+
+    if two_sided is not True:
+        raise MeshdepictError(f"two_sided={two_sided!r} is neither True nor False")
+    view = given.get("view", "front") if sees else given.pop("view", "front")
+    return SeenSide(space, as_view(view, space.shape))
 
 
 def _name(function: Callable[..., Any]) -> str:

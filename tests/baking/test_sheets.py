@@ -124,3 +124,17 @@ def test_a_session_shades_the_side_that_is_seen_from_wherever_it_looks():
     behind = md.bake(sheet(), "lambert", light=(300, 40), view="back", two_sided=True)
     np.testing.assert_array_equal(session.colors, behind.colors)
     assert not np.array_equal(session.colors, front)
+
+
+@pytest.mark.parametrize("name", METHODS)
+def test_every_method_is_two_sided_if_asked(name):
+    space = md.scale_space(sheet(back=True), scales=2)
+    function = md.shading.METHODS[name]
+    seen = SeenSide(space, as_view("front", space.shape))
+    options = {"view": "front"} if "view" in function.declaration.needs else {}
+    np.testing.assert_array_equal(
+        function(space, (300, 40), two_sided=True, view="front"),
+        function(seen, (300, 40), **options),
+    )
+    with pytest.raises(md.MeshdepictError, match="two_sided=1 is neither True nor False"):
+        function(space, (300, 40), two_sided=1)
