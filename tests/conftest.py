@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from types import ModuleType
 
 import numpy as np
 import pytest
@@ -22,14 +23,32 @@ DATA = os.environ.get("MESHDEPICT_DATA")
 # two free cores none takes six, and some machines are busy and ten times slower.
 PATIENCE = 600
 
+# A file of tests that takes anything from here by name draws.
+DRAWING = (
+    "pyvista", "live_pictures", "meshdepict.drawing.picture", "meshdepict.drawing.movie",
+    "meshdepict.drawing.volume_", "meshdepict.viewer.live", "meshdepict.viewer.windows",
+)  # fmt: skip
+
 # A test that uses one of these fixtures gets the marker.
 MARKERS = {"tab": "browser", "data": "data"}
+
+
+def draws(file: ModuleType) -> bool:
+    """Whether a file of tests has a name from what draws with OpenGL."""
+    return any(
+        str(
+            getattr(thing, "__name__" if isinstance(thing, ModuleType) else "__module__", "")
+        ).startswith(DRAWING)
+        for thing in vars(file).values()
+    )
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Mark what needs a browser or real data, so that it can be left out by name."""
     for item in items:
         watch_parameters(item)
+        if draws(item.module):
+            item.add_marker("gpu")
         for fixture in MARKERS.keys() & set(getattr(item, "fixturenames", ())):
             item.add_marker(MARKERS[fixture])
 

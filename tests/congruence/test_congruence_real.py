@@ -9,6 +9,8 @@ from meshdepict.color.srgb import srgb_to_linear
 from meshdepict.scene.view import View
 from meshdepict.shading import METHODS, declaration
 
+pytestmark = pytest.mark.slow
+
 SIZE = 400, 300
 SETTINGS = {
     "lambert": {},

@@ -334,6 +334,7 @@ def test_registering_twice_does_no_harm():
     assert pv.PolyData.depict is accessor.Depict
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("backend", ["static", "trame"])
 def test_notebooks_show_it(backend, tmp_path):
     pytest.importorskip("ipykernel", reason="ipykernel is not installed")

@@ -205,6 +205,7 @@ def test_the_name_of_a_picture_is_checked_before_any_work():
         check_picture("bar.tif")
 
 
+@pytest.mark.slow
 def test_the_command_line_renders_without_a_display_or_a_word(tmp_path):
     """A real run: nothing on stderr, where VTK would complain about the missing X server."""
     md.io.write_mesh(tmp_path / "ball.ply", samples.golf_ball(400, dimples=12))

@@ -131,6 +131,7 @@ def test_polygons_stay_polygons(tmp_path):
         assert [face.tolist() for face in theirs["face"]["vertex_indices"]] == faces
 
 
+@pytest.mark.unwatched  # a NaN is written, and read as it is
 def test_attributes_become_properties_of_their_type(tmp_path):
     vertices, faces = tetrahedron()
     vertex = {

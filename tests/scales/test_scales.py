@@ -22,8 +22,8 @@ def exact_ladder(mesh, widths, facing, chosen=None):
     chosen = np.arange(len(x)) if chosen is None else chosen
     reference = n[chosen]
     rungs, shares = [], []
+    squared = ((x[chosen, None] - x[None]) ** 2).sum(axis=-1)
     for width in widths:
-        squared = ((x[chosen, None] - x[None]) ** 2).sum(axis=-1)
         gaussian = area * np.exp(-squared / (2 * width**2))
         weight = gaussian * (1 + reference @ n.T) / 2 if facing else gaussian
         m = weight @ n
@@ -36,6 +36,7 @@ def exact_ladder(mesh, widths, facing, chosen=None):
     return np.array(rungs), np.array(shares)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("facing", [0, 1])
 @pytest.mark.parametrize("tolerance", [1e-1, 1e-3, 1e-4, 1e-6, 1e-7])
 def test_normals_are_within_the_tolerance(ball, facing, tolerance, rng):

@@ -201,6 +201,7 @@ def test_degenerate_meshes_get_finite_colours(name):
             assert ((c >= 0) & (c <= 1)).all()
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore::meshdepict.MeshdepictWarning")  # about the files' windings
 def test_every_real_mesh_gets_finite_colours(data):
     for path in sorted((data / "mesh").glob("*.ply")):

@@ -90,6 +90,7 @@ def test_targets_alone_are_computed(way, rng):
     assert not sums[:, ~targets].any()
 
 
+@pytest.mark.slow
 def test_tiles_agree_with_neighbours(monkeypatch, rng):
     points = surface(5_000).T / 0.012
     c = channels(points.T, rng)
