@@ -207,7 +207,7 @@ def test_every_real_mesh_gets_finite_colours(data):
     for path in sorted((data / "mesh").glob("*.ply")):
         if path.stat().st_size > 3_000_000:
             continue  # for the time that it takes
-        space = md.scale_space(md.read_mesh(path), scales=2, tolerance=1e-2)
+        space = md.scale_space(md.read_mesh(path), scales=2)
         for name in shading.METHODS:
             c = shading.METHODS[name](space, "northwest", **few_rays(name))
             assert ((c >= 0) & (c <= 1)).all(), (path, name)
