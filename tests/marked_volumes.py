@@ -46,7 +46,7 @@ def places(volume: Volume) -> dict[int, np.ndarray]:
 def assert_same_places(found: Volume, wanted: Volume, atol: float) -> None:
     for value, place in places(wanted).items():
         np.testing.assert_allclose(places(found)[value], place, atol=atol)
-    np.testing.assert_allclose(found._centre, wanted._centre, atol=atol)
+    np.testing.assert_allclose(found.centre, wanted.centre, atol=atol)
 
 
 def assert_same(found: Volume, wanted: Volume, atol: float) -> None:

@@ -106,7 +106,7 @@ class FinerMesh:
 
     def points(self, places: Places) -> Floats:
         """Return where places are, in the mesh's unit frame."""
-        return np.einsum("nc,nci->ni", places.weights, self._mesh._unit_points[places.corners])
+        return np.einsum("nc,nci->ni", places.weights, self._mesh.unit_points[places.corners])
 
     def edges(self) -> Ints:
         """Return the edges of triangles that are new: sorted pairs of vertices, in order."""
@@ -240,9 +240,9 @@ class FinerMesh:
 
 def _pieces(mesh: Mesh) -> PiecewiseNormals | None:
     """Return normals of the triangles of a mesh with planes."""
-    unit, group = mesh.diagonal or 1.0, mesh._groups
+    unit, group = mesh.diagonal or 1.0, mesh.groups
     return piecewise_normals(
-        mesh._unit_points, mesh.faces, mesh.faces if group is None else group[mesh.faces],
+        mesh.unit_points, mesh.faces, mesh.faces if group is None else group[mesh.faces],
         mesh.orientation.flipped, mesh.normals,
         edge=mesh.edge_length / unit, grain=_SINGLE * float(np.abs(mesh.vertices).max()) / unit,
     )  # fmt: skip

@@ -134,7 +134,7 @@ def worth_refining(mesh: Mesh) -> bool:
     """
     unit = mesh.diagonal or 1.0
     coarse = coarse_share(
-        mesh._unit_points, mesh._outward_faces, mesh.normals, edge=mesh.edge_length / unit
+        mesh.unit_points, mesh.outward_faces, mesh.normals, edge=mesh.edge_length / unit
     )
     return coarse < _COARSE or FinerMesh(mesh).pieces is not None
 

@@ -68,7 +68,7 @@ class VoxelShading:
     ) -> None:
         """Fill in the samples of an array (z, y, x, 4) that begins at a voxel."""
         out, box = rgba.reshape(-1, 4), (rgba.shape[0], rgba.shape[1], rgba.shape[2])
-        at, base, alpha = space._samples.flat(box, corner), space.base_color, space.alpha
+        at, base, alpha = space.samples.flat(box, corner), space.base_color, space.alpha
 
         def fill(a: int, b: int) -> None:
             light = intensity[a:b] if self.linear else color.srgb_to_linear(intensity[a:b])
@@ -80,8 +80,8 @@ class VoxelShading:
         if len(space.flat):
             at = space.flat.flat(box, corner)
             dim = color.srgb_to_linear(np.float32(_FLAT))
-            out[at, :3] = color.encode(space._color(space.flat) * dim, linear=True)
-            out[at, 3] = space._opacity(space.flat, np.zeros(len(space.flat)))
+            out[at, :3] = color.encode(space.color_at(space.flat) * dim, linear=True)
+            out[at, 3] = space.opacity_at(space.flat, np.zeros(len(space.flat)))
 
     def rgba(self, piece: Piece, low: Triple, high: Triple) -> tuple[NDArray[np.uint8], int]:
         """Return RGBA of a box of the volume's voxels, and how many of them are shaded.
@@ -111,7 +111,7 @@ class VoxelShading:
             )  # fmt: skip
             intensity = self.shade(space) if len(space.points) else np.empty(0, np.float32)
             self.paint(space, intensity, rgba, begin)
-            places = space._samples.indices()[:, ::-1]
+            places = space.samples.indices()[:, ::-1]
             count = int(((places >= low) & (places < high)).all(axis=1).sum())
         return rgba[_box(low, high, begin)], count
 

@@ -105,7 +105,7 @@ def view_tensor(
         frame, pixel = eye_frames(points[part], view)
         n = normals[part].astype(np.float64)
         hessian = view_hessian(n, some, frame, pixel, foreshortening=foreshortening)
-        (ku, kv), (cosine, sine) = _eigen(*hessian)
+        (ku, kv), (cosine, sine) = eigenvalues(*hessian)
         x, y, z = frame
         k[0, part], k[1, part] = ku, kv
         uv[0, part] = cosine[:, None] * x + sine[:, None] * y
@@ -203,12 +203,12 @@ def conductance(facing: ArrayLike, turns: ArrayLike) -> Floats:
         Cosine of the largest angle between a normal and its neighbours'; 30° begins a crease,
         60° is one.
     """
-    silhouette = 1 - _smoothstep(np.asarray(facing) / 0.2)
+    silhouette = 1 - smoothstep(np.asarray(facing) / 0.2)
     angle = np.degrees(np.arccos(np.clip(turns, -1, 1)))
-    return 1 - np.maximum(silhouette, _smoothstep((angle - 30) / 30))
+    return 1 - np.maximum(silhouette, smoothstep((angle - 30) / 30))
 
 
-def _smoothstep(t: Floats) -> Floats:
+def smoothstep(t: Floats) -> Floats:
     t = np.clip(t, 0, 1)
     return t * t * (3 - 2 * t)
 
@@ -217,7 +217,7 @@ def _dot(a: NDArray[np.floating], b: Floats) -> Floats:
     return np.einsum("ij,ij->i", a, b, dtype=np.float64)
 
 
-def _eigen(xx: Floats, xy: Floats, yy: Floats) -> tuple[Pair, Pair]:
+def eigenvalues(xx: Floats, xy: Floats, yy: Floats) -> tuple[Pair, Pair]:
     """Return the eigenvalues of 2×2 matrices, larger magnitude first, and that one's direction."""
     mean, half = (xx + yy) / 2, (xx - yy) / 2
     radius = np.hypot(half, xy)

@@ -27,8 +27,8 @@ class Welded:
 
     def __init__(self, mesh: Mesh) -> None:
         self._mesh = mesh
-        self._group = mesh._groups
-        self.points, self.faces = mesh._unit_points, mesh._outward_faces
+        self._group = mesh.groups
+        self.points, self.faces = mesh.unit_points, mesh.outward_faces
         if self._group is not None:
             self._first = np.unique(self._group, return_index=True)[1]
             self.points, self.faces = self.points[self._first], self._group[self.faces]
@@ -53,7 +53,7 @@ class Welded:
     @cached_property
     def areas(self) -> NDArray[np.float64]:
         """(w,) mixed Voronoi areas in the unit frame."""
-        return self.gathered(self._mesh._unit_areas) * self.crowd
+        return self.gathered(self._mesh.unit_areas) * self.crowd
 
     @cached_property
     def proper_faces(self) -> NDArray[np.int64]:

@@ -105,13 +105,13 @@ def check_scale(view: Any, figure: Figure) -> None:
 
 def _seen(view: View, shape: Any) -> tuple[Any, Any]:
     """Return the corners of the box about a shape in the view's frame, from the shape's centre."""
-    seen = (shape.outline - shape._centre) @ view.frame.T
+    seen = (shape.outline - shape.centre) @ view.frame.T
     return seen.min(axis=0), seen.max(axis=0)
 
 
 def _swept(view: View, shape: Any) -> tuple[Any, Any]:
     """Return the same for the space that the shape needs for a turn round the view's up axis."""
-    points = shape.outline - shape._centre
+    points = shape.outline - shape.centre
     along = points @ view.up
     radius = np.linalg.norm(points - along[:, None] * view.up, axis=1)
     upright = float(view.up @ view.frame[1])  # the axis as the picture shows it
@@ -127,7 +127,7 @@ def _centred(view: View, shape: Any, middle: Any, height: int, per_unit: float) 
     upright = float(view.up @ view.frame[1])
     # Up along the axis rather than the picture: then a turn round the focus is one round the axis.
     middle = middle[0] * view.frame[0] + middle[1] / upright * view.up
-    focus = shape._centre + middle
+    focus = shape.centre + middle
     scale = height / (2 * per_unit)
     distance = 4 * max(scale, shape.diagonal)
     return View(

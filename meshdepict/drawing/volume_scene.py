@@ -129,7 +129,7 @@ def sample_box(space: GridSpace) -> tuple[slice, slice, slice]:
 
     Rays begin and end within a step of the box's sides, where they would miss a surface.
     """
-    parts = [part for part in (space._samples, space.flat) if len(part)]
+    parts = [part for part in (space.samples, space.flat) if len(part)]
     low = np.maximum(np.min([part.low for part in parts], axis=0) - 1, 0)
     high = np.minimum(np.max([part.high for part in parts], axis=0) + 1, space.shape.counts)
     a, b, c = (slice(int(x), int(y)) for x, y in zip(low, high, strict=True))
@@ -162,7 +162,7 @@ def _light(baked: PaintedVolume, box: tuple[slice, slice, slice]) -> NDArray[np.
     encoded = color.encode(baked.intensity, linear=baked.linear)
     # 0 stands for what was not shaded: between hidden voxels is nothing, whatever the transfer
     # function says of the numbers in between.
-    flat[space._samples.flat(size, low), :3] = np.maximum(encoded, 1)
+    flat[space.samples.flat(size, low), :3] = np.maximum(encoded, 1)
     if len(space.flat):
         flat[space.flat.flat(size, low), :3] = _FLAT
     return values

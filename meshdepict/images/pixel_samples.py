@@ -101,7 +101,7 @@ class PixelSamples:
     # --- what filters and curvature need ----------------------------------------------------
 
     @cached_property
-    def _index(self) -> NDArray[np.int32]:
+    def index(self) -> NDArray[np.int32]:
         """(height + 2, width + 2): the sample at a pixel, −1 if none, −2 beyond the picture."""
         index = np.full((self.size[1] + 2, self.size[0] + 2), -2, np.int32)
         index[1:-1, 1:-1] = -1

@@ -88,12 +88,12 @@ class GridSpace(ScaleSpace):
             part[:] = shape.to_world(part)
         super().__init__(shape, points, widths, ratio, planes, facing=0, tolerance=tolerance)
         self.flat, self.gradient, self.transfer = flat, gradient, transfer
-        self._sums, self._samples, self._piece = sums, sums.samples, piece
+        self._sums, self.samples, self._piece = sums, sums.samples, piece
 
     @cached_property
     def voxels(self) -> NDArray[np.int64]:
         """Where each sample is in the flat array of values."""
-        return self._samples.flat(self._piece.shape)
+        return self.samples.flat(self._piece.shape)
 
     @property
     def shaded_share(self) -> float:
@@ -103,21 +103,23 @@ class GridSpace(ScaleSpace):
     @cached_property
     def base_color(self) -> NDArray[np.float32]:
         """Linear colour (n, 3) that the transfer function gives each sample; white without one."""
-        return self._color(self._samples)
+        return self.color_at(self.samples)
 
     @cached_property
     def alpha(self) -> NDArray[np.uint8]:
         """Opacity of each sample (n,), 255 without a transfer function; 0 only beside the shown."""
-        return self._opacity(self._samples, self.gradient)
+        return self.opacity_at(self.samples, self.gradient)
 
-    def _color(self, samples: Samples) -> NDArray[np.float32]:
+    def color_at(self, samples: Samples) -> NDArray[np.float32]:
+        """Return the linear colour (n, 3) of some samples; white without a transfer function."""
         from meshdepict.color.srgb import srgb_to_linear
 
         if self.transfer is None:
             return np.ones((len(samples), 3), np.float32)
         return srgb_to_linear(self.transfer.color(self._piece.at(samples)))
 
-    def _opacity(self, samples: Samples, gradient: NDArray[Any]) -> NDArray[np.uint8]:
+    def opacity_at(self, samples: Samples, gradient: NDArray[Any]) -> NDArray[np.uint8]:
+        """Return the opacity (n,) of some samples, given the slopes of the density there."""
         from meshdepict.color.srgb import quantise
 
         if self.transfer is None:
@@ -129,7 +131,7 @@ class GridSpace(ScaleSpace):
 
     def mean(self, values: NDArray[Any], width: float) -> NDArray[np.float64]:
         """Return ``Σ_j G(x_i − x_j) c_j / Σ_j G(x_i − x_j)`` over the samples j."""
-        samples, shape = self._samples, self._piece.shape
+        samples, shape = self.samples, self._piece.shape
         widths = in_voxels(width, self.shape)
         sums = np.empty((2, 1, len(samples)), np.float32)
         for out, weights in zip(sums, (np.ones(len(samples)), values), strict=True):
@@ -148,13 +150,13 @@ class GridSpace(ScaleSpace):
         self._sums.derivatives(widths, (*GRADIENT, *HESSIAN), found)
         floor = least_gradient(float(self.widths[scale]), self.shape)
         return isosurface_curvatures(
-            found, self._planes[scale], gradients_to_world(self.shape), floor, float(spacing.min())
+            found, self.planes[scale], gradients_to_world(self.shape), floor, float(spacing.min())
         )
 
     def _turns(self, scale: int) -> NDArray[np.float32]:
         from meshdepict.curvature.grid import grid_neighbour_cosines
 
-        return grid_neighbour_cosines(self._samples, self._planes[scale])
+        return grid_neighbour_cosines(self.samples, self.planes[scale])
 
 
 def grid_space(

@@ -84,7 +84,7 @@ class ImageSpace(ScaleSpace):
             For another view, a scale that isn't there, and f out of 0 … 10.
         """
         from meshdepict.curvature.image import sobel_hessian
-        from meshdepict.curvature.view import ViewCurvature, _eigen, eye_frames
+        from meshdepict.curvature.view import ViewCurvature, eigenvalues, eye_frames
 
         scale = self._checked_scale(scale)
         if not 0 <= foreshortening <= 10:
@@ -99,16 +99,16 @@ class ImageSpace(ScaleSpace):
             return seen
         (x, y, z), _ = eye_frames(self.points, self.shape.view)
         hessian = sobel_hessian(
-            self.shape._index, self._planes[scale], self.shape.depth_steps,
+            self.shape.index, self.planes[scale], self.shape.depth_steps,
             np.stack([x, y, z], axis=1), steepest=self._steepest, foreshortening=foreshortening,
         )  # fmt: skip
-        (ku, kv), (cosine, sine) = _eigen(*hessian)
+        (ku, kv), (cosine, sine) = eigenvalues(*hessian)
         seen = ViewCurvature(
             ku,
             kv,
             (cosine[:, None] * x + sine[:, None] * y).astype(np.float32),
             (cosine[:, None] * y - sine[:, None] * x).astype(np.float32),
-            _conductance(self.shape, self._planes[scale]),
+            _conductance(self.shape, self.planes[scale]),
         )
         for array in seen:
             array.setflags(write=False)
@@ -128,7 +128,7 @@ class ImageSpace(ScaleSpace):
         (_, _, z), _ = eye_frames(self.points, self.shape.view)
         right, up, _ = self.shape.view.frame
         k, d = sobel_principal(
-            self.shape._index, self._planes[scale], self.shape.depth_steps,
+            self.shape.index, self.planes[scale], self.shape.depth_steps,
             np.ascontiguousarray(z), right, up, steepest=self._steepest,
         )  # fmt: skip
         return PrincipalCurvatures(*(k / self.shape.pixel_sizes), *d)
@@ -136,7 +136,7 @@ class ImageSpace(ScaleSpace):
     def _turns(self, scale: int) -> Singles:
         from meshdepict.curvature.image import least_cosines
 
-        return least_cosines(self.shape._index, self._planes[scale])
+        return least_cosines(self.shape.index, self.planes[scale])
 
     def _open(self, rays: int) -> Openness:
         from meshdepict.transport.occlusion import Openness
@@ -236,12 +236,12 @@ def image_space(
 def _conductance(gbuffer: GBuffer, normals: Singles) -> Singles:
     """Return c = 1 − max(w_s, w_c) of the samples (n,), for normals (3, n)."""
     from meshdepict.curvature.image import largest_steps, least_cosines
-    from meshdepict.curvature.view import _smoothstep, conductance
+    from meshdepict.curvature.view import conductance, smoothstep
 
     begin, end = _SILHOUETTE
-    ratio = gbuffer.depth_ratio(largest_steps(gbuffer._index, gbuffer.depth_steps))
-    creases = conductance(1.0, least_cosines(gbuffer._index, normals))
-    return np.minimum(1 - _smoothstep((ratio - begin) / (end - begin)), creases).astype(np.float32)
+    ratio = gbuffer.depth_ratio(largest_steps(gbuffer.index, gbuffer.depth_steps))
+    creases = conductance(1.0, least_cosines(gbuffer.index, normals))
+    return np.minimum(1 - smoothstep((ratio - begin) / (end - begin)), creases).astype(np.float32)
 
 
 def _per_sample(importance: ArrayLike | None, gbuffer: GBuffer) -> Singles | None:

@@ -53,8 +53,8 @@ class InterpolatedSpace(ScaleSpace):
         for scale, vectors in enumerate(source.normals):
             given = scale == 0 and normals is not None
             planes[scale] = (normals if given else self._unit(vectors)).T  # type: ignore[union-attr]
-        points = self._spread(source.shape._unit_points)
-        points = points * (source.shape.diagonal or 1.0) + source.shape._centre
+        points = self._spread(source.shape.unit_points)
+        points = points * (source.shape.diagonal or 1.0) + source.shape.centre
         super().__init__(
             source.shape, points, source.widths, source.ratio, planes,
             facing=source.facing, tolerance=source.tolerance,

@@ -30,7 +30,7 @@ class MeshSpace(ScaleSpace):
     @property
     def unit_points(self) -> NDArray[np.float64]:
         """(n, 3) vertices moved to the origin and scaled to a diagonal of one."""
-        return self.shape._unit_points
+        return self.shape.unit_points
 
     @property
     def surface(self) -> Mesh:
@@ -44,7 +44,7 @@ class MeshSpace(ScaleSpace):
         """
         from meshdepict.sums.gaussian import gaussian_sums
 
-        mass = self.shape._unit_areas / (self.shape._unit_areas.max() or 1.0)
+        mass = self.shape.unit_areas / (self.shape.unit_areas.max() or 1.0)
         scaled = max(width / (self.shape.diagonal or 1.0), 1e-18)
         channels = np.stack([mass, mass * values])
         sums = gaussian_sums(self.unit_points, channels, scaled, error=_ERROR)

@@ -44,7 +44,7 @@ class SeenSide(ScaleSpace):
         self.source = source
         cosine = (source.normals[0] * towards_eye(source.points, view)).sum(axis=1)
         self.turned = cosine < 0
-        planes = np.where(self.turned, -source._planes, source._planes)
+        planes = np.where(self.turned, -source.planes, source.planes)
         super().__init__(
             source.shape, source.points, source.widths, source.ratio, planes,
             facing=source.facing, tolerance=source.tolerance,

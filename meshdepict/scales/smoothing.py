@@ -35,12 +35,12 @@ class NormalSums:
         *,
         corner_normals: NDArray[np.float64] | None = None,
     ) -> None:
-        self.points = mesh._unit_points
+        self.points = mesh.unit_points
         self.unit = mesh.diagonal or 1.0
         self.facing = facing
         self.tolerance = tolerance
         if corner_normals is None:
-            areas = mesh._unit_areas / (mesh._unit_areas.max() or 1.0)
+            areas = mesh.unit_areas / (mesh.unit_areas.max() or 1.0)
             self.channels = np.array(self._moments(areas, mesh.normals.T))
             return
         # What lies round a vertex on several sides of a crease counts with the normals of all.

@@ -64,8 +64,8 @@ class ScaleSpace:
         self.facing = facing
         self.tolerance = tolerance
         # Stored as (scale, axis, sample), so that kernels read each component in one sweep.
-        self._planes = planes
-        self._planes.setflags(write=False)
+        self.planes = planes
+        self.planes.setflags(write=False)
         self._curvatures: dict[int, PrincipalCurvatures] = {}
         self._creases: dict[int, NDArray[np.float32]] = {}
         self._seen: dict[tuple[int, float], tuple[tuple[Any, ...], ViewCurvature]] = {}
@@ -74,7 +74,7 @@ class ScaleSpace:
     @property
     def normals(self) -> NDArray[np.float32]:
         """Unit normals (scales + 1, n, 3), a read-only view."""
-        return np.moveaxis(self._planes, 1, 2)
+        return np.moveaxis(self.planes, 1, 2)
 
     @property
     def finest_width(self) -> float:
@@ -159,7 +159,7 @@ class ScaleSpace:
     @property
     def unit_points(self) -> NDArray[np.float64]:
         """(n, 3) positions moved to the shape's centre, in diagonals of the shape."""
-        return (self.points - self.shape._centre) / (self.shape.diagonal or 1.0)
+        return (self.points - self.shape.centre) / (self.shape.diagonal or 1.0)
 
     @property
     def surface(self) -> Mesh:

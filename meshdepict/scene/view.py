@@ -136,13 +136,13 @@ class View:
         if not hasattr(shape, "outline"):
             raise MeshdepictError(f"a view can't be fitted to a {type(shape).__name__}")
         eye = cls(towards, (0, 0, 0), upwards, parallel_scale=1.0)
-        seen = (shape.outline - shape._centre) @ eye.frame.T
+        seen = (shape.outline - shape.centre) @ eye.frame.T
         low, high = seen.min(axis=0), seen.max(axis=0)
         half = (high - low) / 2
         scale = max(float(half[1]), float(half[0]) / aspect) * _MARGIN
         if scale <= 1e-9 * shape.diagonal:  # a line seen end on, or a point
-            scale = shape.diagonal or float(np.abs(shape._centre).max()) or 1.0
-        focus = shape._centre + ((low + high) / 2) @ eye.frame
+            scale = shape.diagonal or float(np.abs(shape.centre).max()) or 1.0
+        focus = shape.centre + ((low + high) / 2) @ eye.frame
         distance = max(4 * scale, float(half[2]) + 2 * scale)
         return cls(
             focus + distance * eye.towards_eye, focus, upwards,

@@ -80,7 +80,7 @@ def direct(
     directions = np.array([light.direction for light in lights], np.float32)
     return squeezed(
         sum_lights(
-            space._planes[0], eyes, directions, kernel_colors([light.color for light in lights]),
+            space.planes[0], eyes, directions, kernel_colors([light.color for light in lights]),
             kind, parameters, frames=frames, warping=warping, scaling=scaling,
         )
     )  # fmt: skip

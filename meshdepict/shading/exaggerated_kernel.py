@@ -33,7 +33,7 @@ def combine_bands(
     count = len(space.points)
     sums = np.empty(count, np.float32)
     arguments = (
-        space._planes, light.astype(np.float32), weights.astype(np.float32),
+        space.planes, light.astype(np.float32), weights.astype(np.float32),
         np.float32(exaggeration), np.float32(singular**2),
         np.empty(0, np.float32) if remoteness is None else remoteness, sums,
     )  # fmt: skip

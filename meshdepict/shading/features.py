@@ -208,7 +208,7 @@ def _at_scale(
         return frames
     seen = space.view_curvature(view, scale)
     weight = (share * DEFAULT_GAIN["view"]) * seen.weight.astype(np.float64)
-    facing = np.einsum("an,an->n", space._planes[scale], eyes(space, view)) >= 0
+    facing = np.einsum("an,an->n", space.planes[scale], eyes(space, view)) >= 0
     visible = Frames(
         _single(seen.ku * weight), _single(seen.kv * weight), seen.u, seen.v,
         np.cross(seen.u, seen.v),

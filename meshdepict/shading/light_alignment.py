@@ -202,9 +202,9 @@ def light_alignment(
     terms = _terms(
         space, eyes(space, eye), surface, transmitted=transmitted, refraction=refraction,
         frosting=frosting, sharpness=sharpness,
-        diffuse_strength=_per_scale(space, strength, "strength"),
-        specular_strength=_per_scale(space, specular_strength, "specular_strength"),
-        transmitted_strength=_per_scale(space, transmitted_strength, "transmitted_strength"),
+        diffuse_strength=per_scale(space, strength, "strength"),
+        specular_strength=per_scale(space, specular_strength, "specular_strength"),
+        transmitted_strength=per_scale(space, transmitted_strength, "transmitted_strength"),
     )  # fmt: skip
     total = np.full((len(space.points), 1), ambient_term(surface), np.float32)
     for lamp in as_lights(light, eye, count=lights):
@@ -230,7 +230,7 @@ def _terms(
     """Return the terms that there are, each from a light to (n,), with guides of its own."""
     from meshdepict.shading.alignment_kernel import align_chain
 
-    normals, finest = space._planes, space._planes[0]
+    normals, finest = space.planes, space.planes[0]
 
     def matt(light: NDArray[Any]) -> NDArray[np.float32]:
         turned = align_chain(normals, light, diffuse_strength, sharpness)
@@ -264,7 +264,7 @@ def _terms(
     return found
 
 
-def _per_scale(space: ScaleSpace, strength: float | Sequence[float], name: str) -> NDArray[Any]:
+def per_scale(space: ScaleSpace, strength: float | Sequence[float], name: str) -> NDArray[Any]:
     """Return one strength per pair of scales, finest first."""
     steps = len(space.widths) - 1
     values = np.asarray(strength, float)

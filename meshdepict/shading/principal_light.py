@@ -76,7 +76,7 @@ def combine_bent_bands(
         if remoteness is not None:
             share *= np.exp(-remoteness / np.float32(2**scale))
         arguments = (
-            space._planes[scale], space._planes[scale + 1], found.d1, bend, share, single,
+            space.planes[scale], space.planes[scale + 1], found.d1, bend, share, single,
             np.float32(exaggeration), np.float32(singular**2), sums,
         )  # fmt: skip
         each(lambda a, b, given=arguments: _add_band(*given, a, b), pieces)

@@ -35,7 +35,7 @@ def warped_openness(
     mesh = space.surface
     points, normals = mesh.recentred(space.points), np.ascontiguousarray(space.normals[0])
     scene = EmbreeScene()
-    TriangleMesh(scene, mesh._unit_points.astype(np.float32), mesh.faces.astype(np.int32))
+    TriangleMesh(scene, mesh.unit_points.astype(np.float32), mesh.faces.astype(np.int32))
     free = np.zeros(len(points), np.int64)
     scale_u, scale_v = (warp_scale(k, magnitude) for k in (frames.ku, frames.kv))
 

@@ -78,7 +78,7 @@ def find_defects(mesh: Mesh) -> Defects:
 
 
 def _has_area(mesh: Mesh) -> NDArray[np.bool_]:
-    a, b, c = (mesh._unit_points[corner] for corner in mesh.faces.T)
+    a, b, c = (mesh.unit_points[corner] for corner in mesh.faces.T)
     return np.linalg.norm(np.cross(b - a, c - a), axis=1) > 0
 
 

@@ -214,9 +214,10 @@ class GBuffer(PixelSamples):
     # --- what every kind of shape has -------------------------------------------------------
 
     @cached_property
-    def _centre(self) -> Floats:
+    def centre(self) -> Floats:
+        """(3,) middle of the bounding box."""
         if self.mesh is not None:
-            return self.mesh._centre
+            return self.mesh.centre
         return frozen(self.points.min(axis=0) / 2 + self.points.max(axis=0) / 2)
 
     @cached_property

@@ -174,7 +174,8 @@ class Mesh:
     # --- size -------------------------------------------------------------------------------
 
     @cached_property
-    def _centre(self) -> Floats:
+    def centre(self) -> Floats:
+        """(3,) middle of the bounding box."""
         low, high = self.vertices.min(axis=0), self.vertices.max(axis=0)
         return low / 2 + high / 2
 
@@ -186,7 +187,7 @@ class Mesh:
         return largest and largest * float(np.linalg.norm(extent / largest))
 
     @cached_property
-    def _unit_points(self) -> Floats:
+    def unit_points(self) -> Floats:
         """The vertices moved to the origin and scaled to a diagonal of one.
 
         All geometry is computed on these, so that neither survey coordinates nor metres in
@@ -196,14 +197,14 @@ class Mesh:
 
     def recentred(self, points: Floats) -> Floats:
         """Return world positions (…, 3) relative to the mesh's centre, in its diagonals."""
-        moved: Floats = points - self._centre
+        moved: Floats = points - self.centre
         moved /= self.diagonal or 1.0
         return moved
 
     @cached_property
     def edge_length(self) -> float:
         """Median length of the edges that have a length, in world units."""
-        lengths = triangles.edge_lengths(self._unit_points, self.faces)
+        lengths = triangles.edge_lengths(self.unit_points, self.faces)
         lengths = lengths[lengths > 0]
         return float(np.median(lengths)) * self.diagonal if len(lengths) else self.diagonal or 1.0
 
@@ -214,7 +215,7 @@ class Mesh:
         from meshdepict.surface.sides import Sides
 
         found = Sides(
-            self._unit_points,
+            self.unit_points,
             self.faces,
             turn=self.winding == "auto",
             rounding=self._rounding / (self.diagonal or 1.0),
@@ -243,7 +244,8 @@ class Mesh:
         return Orientation(self._sides.flipped, self._sides.message)
 
     @cached_property
-    def _outward_faces(self) -> NDArray[np.int64]:
+    def outward_faces(self) -> NDArray[np.int64]:
+        """The triangles, all turned outwards."""
         return frozen(self._sides.faces)
 
     def rewound(self) -> Mesh:
@@ -258,7 +260,7 @@ class Mesh:
         kept = self._provenance_alone("faces are turned")
         polygons = self.polygons or as_polygons(self.faces)
         # Degenerate triangles are never turned: a polygon goes the way of most of its area.
-        a, b, c = (self._unit_points[corner] for corner in self.faces.T)
+        a, b, c = (self.unit_points[corner] for corner in self.faces.T)
         areas = np.linalg.norm(np.cross(b - a, c - a), axis=1)
         count = len(polygons.offsets) - 1
         turned = np.bincount(self._owner, np.where(flipped, areas, -areas), minlength=count) > 0
@@ -311,7 +313,7 @@ class Mesh:
         Vertices at bit-identical positions share one normal unless their own differ by more than
         90°. A vertex that no proper face meets has +z.
         """
-        sums = triangles.normal_sums(self._unit_points, self._outward_faces)
+        sums = triangles.normal_sums(self.unit_points, self.outward_faces)
         sums = self._shared(sums)
         scale = np.abs(sums).max(axis=1, keepdims=True)
         sums /= np.where(scale > 0, scale, 1.0)  # before squaring: a needle's weights overflow
@@ -323,15 +325,16 @@ class Mesh:
     @cached_property
     def areas(self) -> Floats:
         """(n,) mixed Voronoi areas after Meyer et al. 2002, in squared world units."""
-        return frozen(self._unit_areas * self.diagonal**2)
+        return frozen(self.unit_areas * self.diagonal**2)
 
     @cached_property
-    def _unit_areas(self) -> Floats:
-        areas = triangles.mixed_voronoi_areas(self._unit_points, self.faces)
+    def unit_areas(self) -> Floats:
+        """The areas of a mesh whose diagonal is 1."""
+        areas = triangles.mixed_voronoi_areas(self.unit_points, self.faces)
         return frozen(self._shared(areas, mean=True))
 
     @cached_property
-    def _groups(self) -> NDArray[np.int64] | None:
+    def groups(self) -> NDArray[np.int64] | None:
         """For each vertex the group it shares normal and curvature with; None: all alone.
 
         Groups are numbered from 0 without gaps.
@@ -339,13 +342,11 @@ class Mesh:
         position = same_position(self._sides.points)
         if position is None:
             return None
-        return normal_groups(
-            position, triangles.normal_sums(self._unit_points, self._outward_faces)
-        )
+        return normal_groups(position, triangles.normal_sums(self.unit_points, self.outward_faces))
 
     def _shared(self, values: Floats, *, mean: bool = False) -> Floats:
         """Sum (or average) per-vertex values over the vertices at one position."""
-        group = self._groups
+        group = self.groups
         if group is None:
             return values
         columns = values.reshape(len(values), -1).T

@@ -141,7 +141,7 @@ def projected(mesh: Mesh, view: View, width: int) -> tuple[Floats, Floats]:
         Along the view's axis, positive in front of the eye.
     """
     unit = mesh.diagonal or 1.0
-    x, y, z = view.frame @ (mesh._unit_points - mesh.recentred(view.position)).T
+    x, y, z = view.frame @ (mesh.unit_points - mesh.recentred(view.position)).T
     depth = -z
     if view.parallel_scale is None:
         weight, pixel = depth, step(view)

@@ -137,7 +137,7 @@ def sky_openness(
 def _places(mesh: Mesh, at: At | None) -> tuple[Floats, Floats]:
     """Return positions in the mesh's unit frame, and normals."""
     if at is None:
-        return mesh._unit_points, mesh.normals
+        return mesh.unit_points, mesh.normals
     points, normals = at
     return mesh.recentred(points), np.asarray(normals)
 
@@ -167,7 +167,7 @@ def _traced(
 
     points, normals = places
     scene = EmbreeScene()
-    TriangleMesh(scene, mesh._unit_points.astype(np.float32), mesh.faces.astype(np.int32))
+    TriangleMesh(scene, mesh.unit_points.astype(np.float32), mesh.faces.astype(np.int32))
     number = np.arange(rays, dtype=np.float32)
     angle = 2 * np.pi * (np.arange(rays) * _GOLDEN % 1)
     cos, sin = np.cos(angle).astype(np.float32), np.sin(angle).astype(np.float32)

@@ -107,7 +107,8 @@ class Grid:
         return frozen(self.to_world(corners))
 
     @cached_property
-    def _centre(self) -> Floats:
+    def centre(self) -> Floats:
+        """(3,) middle of the bounding box."""
         low, high = self.outline.min(axis=0), self.outline.max(axis=0)
         return frozen(low / 2 + high / 2)
 
@@ -118,7 +119,7 @@ class Grid:
 
     def recentred(self, points: Floats) -> Floats:
         """Return world positions (…, 3) relative to the grid's centre, in its diagonals."""
-        moved: Floats = (points - self._centre) / (self.diagonal or 1.0)
+        moved: Floats = (points - self.centre) / (self.diagonal or 1.0)
         return moved
 
     @property

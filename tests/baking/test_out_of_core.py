@@ -102,7 +102,7 @@ def test_a_place_is_the_volumes(head: Volume) -> None:
     empty = Place(head.values.shape, head.range, **place(head))
     assert empty.diagonal == head.diagonal
     np.testing.assert_array_equal(empty.outline, head.outline)
-    np.testing.assert_array_equal(empty._centre, head._centre)
+    np.testing.assert_array_equal(empty.centre, head.centre)
     assert empty.edge_length == head.edge_length
     assert (empty.range, empty.kind, empty.unit) == (head.range, "volume", "HU")
 

@@ -92,8 +92,8 @@ def test_on_a_torus_principal_curvatures_keep_order_and_direction(rng):
 def test_opposite_normals_leave_the_nearest():
     mesh = Mesh([(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1e-3)], [(0, 1, 2), (0, 2, 1), (0, 1, 3)])
     space = md.scale_space(mesh, scales=1)
-    space._planes.setflags(write=True)
-    space._planes[:] = np.where(np.arange(4) < 1, [[0], [0], [1]], [[0], [0], [-1]])
+    space.planes.setflags(write=True)
+    space.planes[:] = np.where(np.arange(4) < 1, [[0], [0], [1]], [[0], [0], [-1]])
     middle = InterpolatedSpace(space, np.array([(0, 1, 1)]), np.array([(0.5, 0.5, 0)]))
     np.testing.assert_allclose(np.abs(middle.normals[0]), [(0, 0, 1)])
 
@@ -284,7 +284,7 @@ def test_parts_come_nearer_to_their_geometry_than_before(data, name):
     view = md.View.fitted("isometric", part, height_px=300)
     light = (0.3, 1, 0.6)
     seen = md.GBuffer.of(part, view, size=(300, 300))
-    a, b, c = part.vertices[part._outward_faces].swapaxes(0, 1)
+    a, b, c = part.vertices[part.outward_faces].swapaxes(0, 1)
     normals = np.cross(b - a, c - a)
     normals /= np.linalg.norm(normals, axis=1, keepdims=True)
     exact = np.clip(normals[seen.triangle] @ np.array(light) / np.linalg.norm(light), 0, 1)

@@ -8,7 +8,7 @@ import subprocess
 import sys
 
 import pytest
-from house import ROOT, imported, modules, order
+from house import ROOT, imported, modules, order, room
 
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 
@@ -105,6 +105,39 @@ def test_no_files_import_each_other_in_a_circle():
         ahead[here].add(there)
     sorter = graphlib.TopologicalSorter(ahead)
     sorter.prepare()  # raises a CycleError that names the circle
+
+
+def private(name):
+    return name.startswith("_") and not name.endswith("__")
+
+
+def made(tree):
+    """Yield the names with an underscore that code defines: functions, classes, attributes."""
+    for node in ast.walk(tree):
+        if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef)):
+            yield node.name
+        elif isinstance(node, ast.Attribute) and isinstance(node.ctx, ast.Store):
+            yield node.attr
+        elif isinstance(node, (ast.Assign, ast.AnnAssign)):
+            targets = node.targets if isinstance(node, ast.Assign) else [node.target]
+            yield from (target.id for target in targets if isinstance(target, ast.Name))
+
+
+def test_what_another_room_uses_has_no_underscore():
+    trees = {name: ast.parse(path.read_text("utf-8")) for name, path in modules().items()}
+    ours = {}
+    for name, tree in trees.items():
+        ours.setdefault(room(name), set()).update(filter(private, made(tree)))
+    everyones, found = set().union(*ours.values()), set()
+    for name, tree in trees.items():
+        for node in ast.walk(tree):
+            used = []
+            if isinstance(node, ast.Attribute) and private(node.attr):
+                used = [node.attr]
+            elif isinstance(node, ast.ImportFrom) and node.module.startswith("meshdepict."):
+                used = [alias.name for alias in node.names if private(alias.name)]
+            found |= {(name, one) for one in used if one in everyones - ours[room(name)]}
+    assert not found
 
 
 def test_only_doors_and_leaves_are_loose():

@@ -81,7 +81,7 @@ def brute_radii(points, normals, cap):
 
 @pytest.mark.parametrize("cap", [0.001, 0.05, 0.5, 10.0])
 def test_shrinking_balls_find_the_exact_radius(ball, cap):
-    points, normals = ball._unit_points[::3], ball.normals[::3]
+    points, normals = ball.unit_points[::3], ball.normals[::3]
     np.testing.assert_allclose(
         accessible_radii(points, normals, cap), brute_radii(points, normals, cap), rtol=1e-8
     )

@@ -170,7 +170,7 @@ def test_embree_meets_the_same_triangles(seen, which):
 
     buffer = GBuffer.of(seen, views(seen)[which], size=SIZE)
     scene = EmbreeScene()
-    TriangleMesh(scene, seen._unit_points.astype(np.float32), seen.faces.astype(np.int32))
+    TriangleMesh(scene, seen.unit_points.astype(np.float32), seen.faces.astype(np.int32))
     to_eye = -buffer.view.towards_eye
     if buffer.view.parallel_scale is None:
         to_eye = buffer.points - buffer.view.position
@@ -190,7 +190,7 @@ def vtk_depth(mesh, view, size):
 
     plotter = pv.Plotter(off_screen=True, window_size=list(size))
     plotter.render_window.SetMultiSamples(0)  # depth at the centres of pixels
-    poly = pv.PolyData.from_regular_faces(mesh._unit_points, mesh.faces)
+    poly = pv.PolyData.from_regular_faces(mesh.unit_points, mesh.faces)
     plotter.add_mesh(poly, lighting=False)
     camera = plotter.camera
     camera.position = tuple(mesh.recentred(view.position))
@@ -258,7 +258,7 @@ def test_it_is_a_shape_like_others(ball):
     assert buffer.identity.startswith(f"120 x 90 pixels {len(buffer.normals)} samples sha256 ")
     assert buffer.identity.endswith(fingerprint(buffer.mask, buffer.normals, buffer.depths))
     assert buffer.diagonal == ball.diagonal
-    np.testing.assert_array_equal(buffer._centre, ball._centre)
+    np.testing.assert_array_equal(buffer.centre, ball.centre)
     assert buffer.outline.shape == (len(buffer.normals), 3)
     assert buffer.edge_length == pytest.approx(2 * buffer.view.parallel_scale / 90)
     assert repr(buffer) == f"<GBuffer: 120 x 90 pixels, {len(buffer.normals):,} samples>"

@@ -22,7 +22,7 @@ def test_it_is_a_box_of_240_mm_about_the_origin_in_hounsfield_units(head):
     assert head.unit == "HU"
     assert head.values.dtype == np.int16
     np.testing.assert_allclose(head.values.shape[::-1] * head.spacing, 240)
-    np.testing.assert_allclose(head._centre, 0, atol=1e-12)
+    np.testing.assert_allclose(head.centre, 0, atol=1e-12)
     assert head.range == (-1000, 3000)
 
 

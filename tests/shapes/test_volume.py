@@ -65,8 +65,8 @@ def test_size_does_not_change_when_turned_or_mirrored(values, rng, mirror):
     apart = np.linalg.norm(corners[:, None] - corners, axis=-1)
     assert apart.max() == pytest.approx(size)
     assert np.linalg.det(turned.direction) == pytest.approx(mirror)
-    np.testing.assert_allclose(turned._centre, turned.to_world((1, 1.5, 2)), atol=1e-14)
-    np.testing.assert_allclose(corners.mean(axis=0), turned._centre, atol=1e-14)
+    np.testing.assert_allclose(turned.centre, turned.to_world((1, 1.5, 2)), atol=1e-14)
+    np.testing.assert_allclose(corners.mean(axis=0), turned.centre, atol=1e-14)
 
 
 def test_rounded_directions_become_orthonormal(values, rng):

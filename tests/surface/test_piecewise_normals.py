@@ -32,7 +32,7 @@ def rod(sides, rings=1):
 
 
 def face_normals(mesh):
-    a, b, c = mesh.vertices[mesh._outward_faces].swapaxes(0, 1)
+    a, b, c = mesh.vertices[mesh.outward_faces].swapaxes(0, 1)
     normals = np.cross(b - a, c - a)
     return normals / np.linalg.norm(normals, axis=1, keepdims=True)
 
@@ -129,7 +129,7 @@ def test_large_triangles_with_other_normals_are_told_from_even_ones(sphere):
     def share(mesh):
         unit = mesh.diagonal
         return coarse_share(
-            mesh._unit_points, mesh._outward_faces, mesh.normals, edge=mesh.edge_length / unit
+            mesh.unit_points, mesh.outward_faces, mesh.normals, edge=mesh.edge_length / unit
         )
 
     assert share(sphere) == 0

@@ -72,9 +72,9 @@ def test_voronoi_areas_sum_to_the_area(data, name):
     from meshdepict.io import read_mesh
 
     mesh = read_mesh(data / "mesh" / f"{name}.ply")
-    a, b, c = (mesh._unit_points[mesh.faces[:, k]] for k in range(3))
+    a, b, c = (mesh.unit_points[mesh.faces[:, k]] for k in range(3))
     area = np.linalg.norm(np.cross(b - a, c - a), axis=1).sum() / 2
-    areas = triangles.mixed_voronoi_areas(mesh._unit_points, mesh.faces)
+    areas = triangles.mixed_voronoi_areas(mesh.unit_points, mesh.faces)
     assert areas.sum() == pytest.approx(area, rel=1e-12)
     assert areas.min() >= 0
 

@@ -62,7 +62,7 @@ def test_positions_are_recentred_and_nothing_of_the_space_changes(space):
     shape = space.shape
     before = shape.vertices.copy(), space.normals.copy(), shape.faces.copy()
     live = LiveShading(space, "exaggerated", view="front")
-    expected = (shape.vertices - shape._centre) / shape.diagonal
+    expected = (shape.vertices - shape.centre) / shape.diagonal
     assert np.allclose(live._poly.points, expected, atol=1e-7)
     assert live.actor.GetMapper().GetInput() is live._poly
     for one, other in zip((shape.vertices, space.normals, shape.faces), before, strict=True):

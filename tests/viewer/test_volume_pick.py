@@ -51,7 +51,7 @@ def test_through_haze_it_is_where_half_of_the_light_is_used_up():
     haze = TransferFunction([(0, 0.1, "#ffffff"), (1, 0.1, "#ffffff")], unit="raw")
     volume = Volume(np.linspace(0, 1, 40**3).reshape(40, 40, 40), spacing=(2.0, 1.0, 1.0))
     near, far = scene(volume, [(-100, 20, 20), (200, 20, 20)])
-    found = first_seen(volume, haze, near, far) * volume.diagonal + volume._centre
+    found = first_seen(volume, haze, near, far) * volume.diagonal + volume.centre
     # A voxel's way is the smallest spacing, 1: (1 − 0.1)^x = 1/2.
     assert found[0] == pytest.approx(np.log(0.5) / np.log(0.9), abs=0.51)
 

@@ -283,7 +283,7 @@ def test_flying_looks_at_the_point_under_the_pointer(window, hand, session):
     hand.key("f", at=(WIDTH // 2 + 60, SIZE[1] // 2 + 40))
     there = moved(window)
     np.testing.assert_allclose(there.towards_eye, eye.towards_eye, atol=1e-9)
-    assert np.linalg.norm(there.focus - session.shape._centre) == pytest.approx(1, abs=0.08)
+    assert np.linalg.norm(there.focus - session.shape.centre) == pytest.approx(1, abs=0.08)
     shift = (there.focus - eye.focus) @ eye.frame.T
     pixel = 2 * eye.parallel_scale / SIZE[1]
     np.testing.assert_allclose(shift[:2], np.array([60, 40]) * pixel, atol=1.5 * pixel)

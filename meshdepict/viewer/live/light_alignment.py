@@ -8,7 +8,7 @@ from meshdepict.drawing.shader import Uniforms
 from meshdepict.scales.space import ScaleSpace
 from meshdepict.scene.view import View
 from meshdepict.shading import light_alignment
-from meshdepict.shading.light_alignment import _per_scale
+from meshdepict.shading.light_alignment import per_scale
 from meshdepict.shading.method import require_smoothing
 from meshdepict.viewer.live.live_method import Attributes, LiveMethod, Options, packed
 from meshdepict.viewer.live.materials import (
@@ -84,13 +84,13 @@ def _attributes(space: ScaleSpace, view: View, options: Options) -> tuple[int, A
 
 
 def _uniforms(space: ScaleSpace, options: Options) -> Uniforms:
-    def per_scale(name: str) -> list[float]:
-        return list(_per_scale(space, options[name], name))
+    def strengths(name: str) -> list[float]:
+        return list(per_scale(space, options[name], name))
 
     return {
         **material_uniforms(live_material(options)),
-        "strengths": per_scale("strength"),
-        "specular_strengths": per_scale("specular_strength"),
+        "strengths": strengths("strength"),
+        "specular_strengths": strengths("specular_strength"),
         "fade": math.exp(-options["sharpness"]),
     }
 

@@ -205,7 +205,7 @@ def _numbered(space: GridSpace) -> tuple[NDArray[np.float32], tuple[int, int, in
     # The 256 levels of a bake's texture, so that the surface is where a bake has it.
     values[..., 0] = quantise(levels_of(space.shape.values[box], window)) / np.float32(255)
     numbers = values.reshape(-1, 2)[:, 1]
-    numbers[space._samples.flat(size, low)] = np.arange(1, len(space.points) + 1)
+    numbers[space.samples.flat(size, low)] = np.arange(1, len(space.points) + 1)
     if len(space.flat):
         numbers[space.flat.flat(size, low)] = _FLAT
     return values, (low[2], low[1], low[0])

@@ -25,8 +25,8 @@ def camera_view(camera: Any, shape: Any, *, height_px: int = 1000) -> View:
     unit = shape.diagonal or 1.0
     parallel = camera.parallel_projection
     return View(
-        np.array(camera.position) * unit + shape._centre,
-        np.array(camera.focal_point) * unit + shape._centre,
+        np.array(camera.position) * unit + shape.centre,
+        np.array(camera.focal_point) * unit + shape.centre,
         camera.up,
         height_px=height_px,
         parallel_scale=camera.parallel_scale * unit if parallel else None,
@@ -52,7 +52,7 @@ def project_in_parallel(camera: Any) -> None:
 
 def same_sight(a: View, b: View, shape: Any) -> bool:
     """Whether two views show a shape alike, up to rounding."""
-    near = 1e-9 * (shape.diagonal or 1.0) + 1e-12 * float(np.abs(shape._centre).max())
+    near = 1e-9 * (shape.diagonal or 1.0) + 1e-12 * float(np.abs(shape.centre).max())
     return bool(
         np.allclose(a.position, b.position, rtol=0, atol=8 * near)
         and np.allclose(a.focus, b.focus, rtol=0, atol=8 * near)

@@ -118,7 +118,7 @@ class ThinnedSpace(ScaleSpace):
     def __init__(self, space: ScaleSpace, chosen: NDArray[np.int64]) -> None:
         super().__init__(
             space.shape, space.points[chosen], space.widths, space.ratio,
-            np.ascontiguousarray(space._planes[:, :, chosen]),
+            np.ascontiguousarray(space.planes[:, :, chosen]),
             facing=space.facing, tolerance=space.tolerance,
         )  # fmt: skip
         self._whole = space

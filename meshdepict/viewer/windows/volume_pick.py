@@ -67,7 +67,7 @@ def first_seen(
 
 def _indices(volume: Volume, points: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return voxel coordinates (…, 3) along x, y and z of points of the scene."""
-    world = points * (volume.diagonal or 1.0) + volume._centre
+    world = points * (volume.diagonal or 1.0) + volume.centre
     found: NDArray[np.float64] = (world - volume.origin) @ volume.direction / volume.spacing
     return found
 
