@@ -19,11 +19,16 @@ from meshdepict.color import colormaps2d
 from meshdepict.errors import MeshdepictError
 from meshdepict.options import check, options_of
 from meshdepict.scales.ladder import FACING, TOLERANCE
-from meshdepict.scene.names import as_view
+from meshdepict.scene.names import LightsLike, as_view
+from meshdepict.scene.shape import Shape
 from meshdepict.scene.upright import upright
 from meshdepict.scene.view import View
 
 if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from meshdepict.scales.space import ScaleSpace
     from meshdepict.shading.method import Declaration
 
 __all__ = ["LADDER", "Choices", "choice_fields", "takes_choices"]
@@ -85,7 +90,7 @@ class Choices:
     """
 
     method: str = _choice("exaggerated", "How to shade: meshdepict methods lists what there is.")
-    light: Any = _choice(
+    light: LightsLike = _choice(
         "northwest",
         "A name (north, northeast, … northwest, front), azimuth,elevation in degrees, x,y,z, or a "
         "panorama.hdr; several, where a method takes them, parted by semicolons.",
@@ -204,7 +209,7 @@ class Choices:
         """Return which axis points up of a kind of shape: as chosen, else as usual."""
         return self.up or ("z" if kind == VOLUME else "y")
 
-    def eye(self, shape: Any) -> View:
+    def eye(self, shape: Shape) -> View:
         """Return the view of a shape."""
         up, name = self.axis(shape.kind), self.view
         if isinstance(name, str) and name == "auto":
@@ -213,7 +218,7 @@ class Choices:
             name = automatic_view(shape, up)
         return as_view(name, shape, up=up)
 
-    def shade(self, space: Any, light: Any, view: View) -> Any:
+    def shade(self, space: ScaleSpace, light: LightsLike, view: View) -> NDArray[np.float32]:
         """Return what the method makes of a scale space's samples under a light."""
         needed: dict[str, Any] = {"two_sided": True} if self.two_sided else {}
         if needed or "view" in self.declared.needs:

@@ -13,6 +13,7 @@ from meshdepict.baking.choices import Choices
 from meshdepict.errors import MeshdepictWarning
 from meshdepict.options import options_of
 from meshdepict.scene.environment import Environment
+from meshdepict.scene.names import Lighting
 
 __all__ = ["MOST_CLIPPED", "warn_of_clipping"]
 
@@ -23,7 +24,7 @@ _DIM = 1e-3  # of the exposure: a thousand times what is shown is seen unclipped
 
 
 def warn_of_clipping(
-    look: Choices, light: Any, values: NDArray[Any], shade: Callable[[Choices], NDArray[Any]]
+    look: Choices, light: Lighting, values: NDArray[Any], shade: Callable[[Choices], NDArray[Any]]
 ) -> None:
     """Warn where a panorama clips more than a few samples, with the exposure that does not.
 

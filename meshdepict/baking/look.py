@@ -31,7 +31,7 @@ class Look(Choices):
         For anything unknown or out of range.
     """
 
-    def bake(self, shape: Any, *, progress: Progress | None = None) -> Baked | BakedVolume:
+    def bake(self, shape: object, *, progress: Progress | None = None) -> Baked | BakedVolume:
         """Shade a shape: a surface as `bake` does, a volume as `bake_volume` does.
 
         Raises
@@ -56,7 +56,7 @@ class Look(Choices):
 
 @takes_choices
 def bake(
-    shape: Any,
+    shape: object,
     method: str | Callable[..., Any] = "exaggerated",
     *,
     progress: Progress | None = None,
@@ -90,7 +90,7 @@ def bake(
 
 @takes_choices
 def bake_volume(
-    volume: Any,
+    volume: object,
     method: str | Callable[..., Any] = "exaggerated",
     *,
     memory: float = MEMORY,

@@ -42,7 +42,7 @@ def with_sampled_planes(finer: FinerMesh, space: ScaleSpace) -> tuple[FinerMesh,
     """
     if finer.pieces is None or len(space.widths) == 1:
         return finer, space
-    mesh = space.shape
+    mesh = space.surface
     widths = space.widths[1:] / (mesh.diagonal or 1.0)
     spacing = _SPACING * float(widths[0])
     while True:

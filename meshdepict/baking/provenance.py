@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from meshdepict.files.mark import MARK, VERSION
 from meshdepict.options import as_text, options_of
+from meshdepict.scene.names import Lighting
 from meshdepict.shapes.document import Document
 
 if TYPE_CHECKING:
@@ -17,7 +18,7 @@ if TYPE_CHECKING:
 __all__ = ["comment_lines", "describe", "was_baked"]
 
 
-def describe(look: Choices, space: ScaleSpace, *, light: Any) -> dict[str, str]:
+def describe(look: Choices, space: ScaleSpace, *, light: Lighting) -> dict[str, str]:
     """Return what was shaded, and how, by keyword.
 
     Parameters
@@ -65,7 +66,9 @@ def was_baked(mesh: Mesh) -> bool:
     return isinstance(mesh.document, Document) and bool(mesh.document.provenance)
 
 
-def _scales(space: Any) -> str:
+def _scales(space: ScaleSpace) -> str:
+    from meshdepict.scales.image_scales import ImageSpace
+
     count = len(space.widths) - 1
     if count == 0:
         return "0"
@@ -73,7 +76,7 @@ def _scales(space: Any) -> str:
         f"{count}, widths {space.widths[1]:.6g} to {space.widths[-1]:.6g}",
         f"ratio {space.ratio:.6g}",
     ]
-    if space.shape.kind == "image":
+    if isinstance(space, ImageSpace):
         texts.append(f"filter {space.filter}")
     else:
         texts += [f"facing {space.facing:g}", f"tolerance {space.tolerance:g}"]

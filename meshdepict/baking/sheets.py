@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import warnings
-from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from meshdepict.errors import MeshdepictWarning
 from meshdepict.scales.seen_side import towards_eye
+from meshdepict.scene.shape import Shape
 from meshdepict.scene.view import View, named_directions
+from meshdepict.shapes.mesh import Mesh
 
 __all__ = ["automatic_view", "warn_of_backs"]
 
@@ -20,13 +22,13 @@ _SIDES = ("front", "top", "right")
 _FACING = 0.02  # share of the samples: a rim may be bent
 
 
-def automatic_view(shape: Any, up: str) -> str:
+def automatic_view(shape: Shape, up: str) -> str:
     """Return the view from above of a sheet that lies like a terrain, else "front".
 
     A terrain's heights are measured along the axis that its faces look along, either way: an eye
     above looks down on it. Anything else is seen from the front.
     """
-    if shape.kind != "mesh":
+    if not isinstance(shape, Mesh):
         return "front"
     areas = shape.areas / (shape.areas.max() or 1.0)
     mean = areas @ shape.normals / (areas.sum() or 1.0)
@@ -35,7 +37,7 @@ def automatic_view(shape: Any, up: str) -> str:
     return max(_SIDES, key=lambda name: abs(float(named_directions(name, up)[0] @ mean)))
 
 
-def warn_of_backs(points: Any, normals: Any, view: View) -> None:
+def warn_of_backs(points: NDArray[np.float64], normals: NDArray[np.float32], view: View) -> None:
     """Warn where every normal looks away from the eye: nothing but backs is seen."""
     cosine = (normals * towards_eye(points, view)).sum(axis=1)
     if np.mean(cosine > 0) < _FACING:

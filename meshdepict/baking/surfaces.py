@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import functools
 import os
-from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,15 +19,14 @@ from meshdepict.errors import MeshdepictError
 from meshdepict.scales.ladder import Progress
 from meshdepict.scales.making import scale_space
 from meshdepict.scales.space import ScaleSpace
-from meshdepict.scene.names import as_light, as_lighting
-
-if TYPE_CHECKING:
-    from meshdepict.shapes.mesh import Mesh
+from meshdepict.scene.names import Lighting, as_light, as_lighting
+from meshdepict.shapes.gbuffer import GBuffer
+from meshdepict.shapes.mesh import Mesh
 
 __all__ = ["as_mesh", "bake_surface", "own_colors", "refuse_other_scales"]
 
 
-def bake_surface(shape: Any, look: Choices, *, progress: Progress | None = None) -> Baked:
+def bake_surface(shape: object, look: Choices, *, progress: Progress | None = None) -> Baked:
     """Shade a mesh or an image; see `bake`.
 
     Parameters
@@ -41,10 +39,8 @@ def bake_surface(shape: Any, look: Choices, *, progress: Progress | None = None)
     kind = _kind(shape) or "mesh"
     chosen, look = look, look.of_kind(kind)
     up, (scales, ratio) = look.axis(kind), look.ladder
-    if isinstance(shape, ScaleSpace):
-        mesh: Any = shape.shape
-    else:
-        mesh = shape if kind == "image" else as_mesh(shape)
+    sampled = shape.shape if isinstance(shape, ScaleSpace) else shape
+    mesh = sampled if isinstance(sampled, GBuffer) else as_mesh(sampled)
     own = own_colors(mesh) if look.albedo == "keep" else None
     eye = look.eye(mesh)
     if isinstance(look.view, str) and look.view == "auto":
@@ -67,7 +63,7 @@ def bake_surface(shape: Any, look: Choices, *, progress: Progress | None = None)
     linear = look.declared.linear
     local = look.declared.local and look.colormap2d is None and mesh.kind == "mesh"
 
-    def shade(lamp: Any, space: ScaleSpace = space) -> NDArray[np.float32]:
+    def shade(lamp: Lighting, space: ScaleSpace = space) -> NDArray[np.float32]:
         return look.shade(space, lamp, eye)
 
     each = functools.partial(shade, lamp)  # of samples of any scale space of the mesh
@@ -85,13 +81,15 @@ def bake_surface(shape: Any, look: Choices, *, progress: Progress | None = None)
         intensity = shade(lamp)
         warn_of_clipping(look, lamp, intensity, lambda other: other.shade(space, lamp, eye))
     else:
-        intensity = colormaps2d.both_lights(shade, lamp, eye, look.colormap2d, linear=linear)
+        intensity = colormaps2d.both_lights(
+            shade, as_light(lamp), eye, look.colormap2d, linear=linear
+        )
         linear = False
     colors = color.encode(intensity, linear=linear, colormap=look.colormap)
     if own is not None:
         colors = color.multiply_albedo(colors / np.float32(255), own, linear=False)
     provenance = describe(look, space, light=lamp)
-    if look.refine is not None:
+    if look.refine is not None and isinstance(mesh, Mesh):
         provenance["refined"] = f"to {look.refine:g} grey levels, {len(mesh.faces)} triangles"
     return Baked(
         mesh, intensity, colors, provenance, eye,
@@ -100,15 +98,14 @@ def bake_surface(shape: Any, look: Choices, *, progress: Progress | None = None)
     )  # fmt: skip
 
 
-def _kind(shape: Any) -> str | None:
+def _kind(shape: object) -> str | None:
     """Return what kind of shape it is, or was sampled; None of what is yet to become one."""
     return getattr(shape.shape if isinstance(shape, ScaleSpace) else shape, "kind", None)
 
 
-def as_mesh(shape: Any) -> Mesh:
+def as_mesh(shape: object) -> Mesh:
     """Return a `Mesh` from a path, a Mesh, or what PyVista or trimesh hold that has a surface."""
     from meshdepict.shapes.foreign import is_of_pyvista, is_of_trimesh
-    from meshdepict.shapes.mesh import Mesh
 
     if isinstance(shape, Mesh):
         return shape
@@ -131,9 +128,9 @@ def as_mesh(shape: Any) -> Mesh:
     )
 
 
-def own_colors(shape: Any) -> NDArray[np.uint8]:
+def own_colors(shape: Mesh | GBuffer) -> NDArray[np.uint8]:
     """Return a mesh's own vertex colours, or an image's own, or those of the mesh that it shows."""
-    if shape.kind != "image":
+    if isinstance(shape, Mesh):
         return _mesh_colors(shape)
     if shape.colors is not None:
         return shape.colors

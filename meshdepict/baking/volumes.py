@@ -120,7 +120,7 @@ class BakedVolume(Depiction):
 
 
 def bake_grid(
-    volume: Any, look: Choices, *, memory: float = MEMORY, progress: Progress | None = None
+    volume: object, look: Choices, *, memory: float = MEMORY, progress: Progress | None = None
 ) -> BakedVolume:
     """Shade a volume; see `bake_volume`.
 
@@ -160,7 +160,7 @@ def bake_grid(
     return BakedVolume(shading, space=space, intensity=intensity, shaded_share=space.shaded_share)
 
 
-def is_volume(shape: Any) -> bool:
+def is_volume(shape: object) -> bool:
     """Whether this is a volume, its scale space, its file or PyVista's image data."""
     if isinstance(shape, (str, os.PathLike)):
         from meshdepict.io.volumes import is_volume_path
@@ -170,7 +170,7 @@ def is_volume(shape: Any) -> bool:
     return getattr(sampled, "kind", None) == "volume" or hasattr(shape, "GetSpacing")
 
 
-def as_volume(volume: Any) -> Volume:
+def as_volume(volume: object) -> Volume:
     """Return a `Volume` from a path, a Volume or a PyVista ``ImageData``."""
     from meshdepict.shapes.volume import Volume
 

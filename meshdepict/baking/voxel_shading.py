@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +14,7 @@ from meshdepict.baking.provenance import describe
 from meshdepict.errors import MeshdepictError
 from meshdepict.scales.grid_scales import GridSpace, piece_space
 from meshdepict.scales.ladder import check_ladder, ladder
-from meshdepict.scene.names import as_lighting
+from meshdepict.scene.names import Lighting, as_lighting
 from meshdepict.scene.view import View
 from meshdepict.shapes.lengths import resolve_width
 from meshdepict.threads import each, spans
@@ -42,7 +42,7 @@ class VoxelShading:
 
     shape: Grid
     look: Choices
-    light: Any
+    light: Lighting
     view: View
     widths: NDArray[np.float64]
     ratio: float

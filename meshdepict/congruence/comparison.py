@@ -86,7 +86,7 @@ class Comparison:
 
 
 def compare(
-    shape: Any,
+    shape: object,
     methods: Sequence[str | Shading] | None = None,
     *,
     lights: Sequence[Any] | None = None,

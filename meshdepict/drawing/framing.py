@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
 from meshdepict.drawing.figure import Figure, check_pixels
 from meshdepict.errors import MeshdepictError
+from meshdepict.scene.shape import Shape
 from meshdepict.scene.upright import UPS
+from meshdepict.scene.vectors import Vector
 from meshdepict.scene.view import VIEWS, View
 
 __all__ = ["Framing", "check_scale", "frame"]
@@ -52,7 +53,7 @@ class Framing:
 _BAR_ROOM = 14  # width of a picture with a scale bar, in heights of letters
 
 
-def frame(view: View, shape: Any, figure: Figure, *, turning: bool = False) -> Framing:
+def frame(view: View, shape: Shape, figure: Figure, *, turning: bool = False) -> Framing:
     """Place a shape in a figure.
 
     A view given by name is fitted to the picture's proportions, with a margin of 5 %.
@@ -92,7 +93,7 @@ def frame(view: View, shape: Any, figure: Figure, *, turning: bool = False) -> F
     return Framing(centred, size, strip, per_unit, unit)
 
 
-def check_scale(view: Any, figure: Figure) -> None:
+def check_scale(view: object, figure: Figure) -> None:
     """Refuse a scale in perspective, where there is none."""
     asked = "a fixed scale" if figure.pixels_per_unit else "a scale bar"
     perspective = isinstance(view, View) and view.parallel_scale is None
@@ -103,13 +104,13 @@ def check_scale(view: Any, figure: Figure) -> None:
         )
 
 
-def _seen(view: View, shape: Any) -> tuple[Any, Any]:
+def _seen(view: View, shape: Shape) -> tuple[Vector, Vector]:
     """Return the corners of the box about a shape in the view's frame, from the shape's centre."""
     seen = (shape.outline - shape.centre) @ view.frame.T
     return seen.min(axis=0), seen.max(axis=0)
 
 
-def _swept(view: View, shape: Any) -> tuple[Any, Any]:
+def _swept(view: View, shape: Shape) -> tuple[Vector, Vector]:
     """Return the same for the space that the shape needs for a turn round the view's up axis."""
     points = shape.outline - shape.centre
     along = points @ view.up
@@ -122,7 +123,7 @@ def _swept(view: View, shape: Any) -> tuple[Any, Any]:
     return low, high
 
 
-def _centred(view: View, shape: Any, middle: Any, height: int, per_unit: float) -> View:
+def _centred(view: View, shape: Shape, middle: Vector, height: int, per_unit: float) -> View:
     """Return the parallel view with the middle of a box in its middle, at a scale."""
     upright = float(view.up @ view.frame[1])
     # Up along the axis rather than the picture: then a turn round the focus is one round the axis.
@@ -136,7 +137,7 @@ def _centred(view: View, shape: Any, middle: Any, height: int, per_unit: float) 
     )  # fmt: skip
 
 
-def _grown(extent: Any, figure: Figure) -> tuple[int, int]:
+def _grown(extent: Vector, figure: Figure) -> tuple[int, int]:
     """Return the size of a picture that an object decides, with room for margin and scale bar."""
     per_unit = figure.pixels_per_unit or 1.0
     width, height = (int(x) for x in np.minimum(np.ceil(extent * per_unit * _MARGIN) + 2, 1e9))
@@ -147,7 +148,7 @@ def _grown(extent: Any, figure: Figure) -> tuple[int, int]:
     return size
 
 
-def _check_room(extent: Any, per_unit: float, room: tuple[int, int]) -> None:
+def _check_room(extent: Vector, per_unit: float, room: tuple[int, int]) -> None:
     needed = np.ceil(extent * per_unit)
     if (needed > room).any():
         raise MeshdepictError(
@@ -162,7 +163,7 @@ def _strip(figure: Figure, size: tuple[int, int]) -> int:
     return min(3 * figure.letters(size), size[1] // 3) if figure.scale_bar else 0
 
 
-def _is_fitted(view: View, shape: Any) -> bool:
+def _is_fitted(view: View, shape: Shape) -> bool:
     """Whether a view was fitted to a shape by name."""
     squares = (View.fitted(view.name, shape, up=up) for up in UPS if view.name in VIEWS)
     return any(

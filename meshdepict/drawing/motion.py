@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from meshdepict.errors import MeshdepictError
 from meshdepict.scene.light import Light, Lights
+from meshdepict.scene.names import Lighting
 from meshdepict.scene.view import View
 
 __all__ = ["circling", "rotation", "turned", "turned_light"]
@@ -17,7 +17,7 @@ __all__ = ["circling", "rotation", "turned", "turned_light"]
 Floats = NDArray[np.float64]
 
 
-def rotation(axis: Any, angle: float) -> Floats:
+def rotation(axis: Floats, angle: float) -> Floats:
     """Return the (3, 3) matrix that turns by an angle in degrees, right-handed (Rodrigues)."""
     x, y, z = axis
     cross = np.array(((0, -z, y), (z, 0, -x), (-y, x, 0)), dtype=np.float64)
@@ -38,7 +38,7 @@ def turned(view: View, angle: float) -> View:
     )  # fmt: skip
 
 
-def turned_light(light: Any, view: View, angle: float) -> Any:
+def turned_light(light: Lighting, view: View, angle: float) -> Light | Lights:
     """Return a light, or several, that went with the eye of `turned`.
 
     Raises
@@ -47,16 +47,20 @@ def turned_light(light: Any, view: View, angle: float) -> Any:
         For an environment.
     """
     if isinstance(light, Lights):
-        return Lights(turned_light(one, view, angle) for one in light)
+        return Lights(_gone_round(one, view, angle) for one in light)
     if not isinstance(light, Light):
         raise MeshdepictError(
             "an environment stays with the object: it can't go with the eye; give "
             "light_fixed='object'"
         )
+    return _gone_round(light, view, angle)
+
+
+def _gone_round(light: Light, view: View, angle: float) -> Light:
     return Light(rotation(view.up, angle) @ light.direction, light.name, light.color)
 
 
-def circling(light: Any, view: View, angle: float) -> Light:
+def circling(light: Lighting, view: View, angle: float) -> Light:
     """Return a light that circled round the line of sight: clockwise by an angle in degrees.
 
     Its elevation from the image plane stays.

@@ -14,6 +14,7 @@ from meshdepict.drawing.framing import Framing, frame
 from meshdepict.drawing.motion import circling, turned, turned_light
 from meshdepict.drawing.picture import finished
 from meshdepict.errors import MeshdepictError
+from meshdepict.scene.names import Lighting
 from meshdepict.scene.view import View
 
 if TYPE_CHECKING:
@@ -146,12 +147,12 @@ def check_movie(
     return count
 
 
-def _circle(session: Turnable, light: Any, framing: Framing, _: str, angle: float) -> View:
+def _circle(session: Turnable, light: Lighting, framing: Framing, _: str, angle: float) -> View:
     session.shine(circling(light, framing.view, angle))
     return framing.view
 
 
-def _round(session: Turnable, light: Any, framing: Framing, fixed: str, angle: float) -> View:
+def _round(session: Turnable, light: Lighting, framing: Framing, fixed: str, angle: float) -> View:
     eye = turned(framing.view, angle)
     session.look(eye)
     if fixed == "eye":

@@ -7,11 +7,16 @@ from typing import TYPE_CHECKING, Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from meshdepict.scene.names import Lighting, LightsLike
+from meshdepict.scene.shape import Shape
 from meshdepict.scene.view import View
 
 if TYPE_CHECKING:
     from meshdepict.color.transfer_function import TransferFunction
     from meshdepict.scales.grid_scales import GridSpace
+    from meshdepict.shapes.gbuffer import GBuffer
+    from meshdepict.shapes.mesh import Mesh
+    from meshdepict.voxels.grid import Grid
 
 __all__ = ["Depicted", "Painted", "PaintedVolume", "Turnable"]
 
@@ -20,7 +25,7 @@ class Depicted(Protocol):
     """A shape in its shading, of whatever kind."""
 
     @property
-    def shape(self) -> Any:
+    def shape(self) -> Shape:
         """A `Mesh`, `GBuffer` or `Volume`."""
 
     @property
@@ -43,12 +48,20 @@ class Painted(Depicted, Protocol):
     """A mesh or an image in its colours; see `Baked`."""
 
     @property
+    def shape(self) -> Mesh | GBuffer:
+        """What is shaded."""
+
+    @property
     def colors(self) -> NDArray[np.uint8]:
         """(n, 3) sRGB."""
 
 
 class PaintedVolume(Depicted, Protocol):
     """Voxels in their colours; see `BakedVolume`."""
+
+    @property
+    def shape(self) -> Grid:
+        """Where the voxels are, and their values."""
 
     @property
     def rgba(self) -> NDArray[np.uint8]:
@@ -74,11 +87,11 @@ class PaintedVolume(Depicted, Protocol):
 class Turnable(Protocol):
     """A shape under a light, both of which can be turned; see `Session`."""
 
-    light: Any
+    light: Lighting
 
     @property
-    def shape(self) -> Any:
-        """A `Mesh`."""
+    def shape(self) -> Mesh:
+        """What turns."""
 
     @property
     def view(self) -> View:
@@ -91,7 +104,7 @@ class Turnable(Protocol):
     def baked(self) -> Painted:
         """Return the shape in the colours of now."""
 
-    def shine(self, light: Any) -> None:
+    def shine(self, light: LightsLike) -> None:
         """Change the light."""
 
     def look(self, view: str | View) -> None:

@@ -53,7 +53,7 @@ class InterpolatedSpace(ScaleSpace):
         for scale, vectors in enumerate(source.normals):
             given = scale == 0 and normals is not None
             planes[scale] = (normals if given else self._unit(vectors)).T  # type: ignore[union-attr]
-        points = self._spread(source.shape.unit_points)
+        points = self._spread(source.unit_points)
         points = points * (source.shape.diagonal or 1.0) + source.shape.centre
         super().__init__(
             source.shape, points, source.widths, source.ratio, planes,
@@ -63,7 +63,7 @@ class InterpolatedSpace(ScaleSpace):
     @property
     def surface(self) -> Mesh:
         """The mesh that the samples lie on."""
-        return self.source.shape
+        return self.source.surface
 
     def _spread(self, values: NDArray[Any]) -> Floats:
         """Interpolate values (vertices, …)."""

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,16 +10,16 @@ from numpy.typing import NDArray
 from meshdepict.errors import MeshdepictError
 from meshdepict.scales.ladder import FACING, TOLERANCE, Progress, check_ladder, ladder
 from meshdepict.scales.space import ScaleSpace
+from meshdepict.shapes.gbuffer import GBuffer
 from meshdepict.shapes.lengths import resolve_width
-
-if TYPE_CHECKING:
-    from meshdepict.shapes.mesh import Mesh
+from meshdepict.shapes.mesh import Mesh
+from meshdepict.shapes.volume import Volume
 
 __all__ = ["scale_space", "smooth_normals"]
 
 
 def scale_space(
-    shape: Any,
+    shape: object,
     *,
     scales: int = 9,
     width: float | str | None = None,
@@ -64,17 +63,16 @@ def scale_space(
         For a parameter out of its range.
     """
     check_ladder(scales, ratio, facing, tolerance)
-    kind = getattr(shape, "kind", None)
-    if kind == "image":
+    if isinstance(shape, GBuffer):
         from meshdepict.scales.image_scales import image_space
 
         return image_space(shape, scales=scales, width=width, ratio=ratio, progress=progress)
-    if kind not in ("mesh", "volume"):
+    if not isinstance(shape, (Mesh, Volume)):
         raise MeshdepictError(
             f"a {type(shape).__name__} has no scale space: give a Mesh, a Volume or a GBuffer"
         )
     widths = ladder(scales, ratio, resolve_width(width, shape))
-    if kind == "volume":
+    if isinstance(shape, Volume):
         from meshdepict.scales.grid_scales import grid_space
 
         return grid_space(shape, widths, ratio, tolerance=tolerance, progress=progress)
@@ -96,7 +94,7 @@ def smooth_normals(
     (n, 3) array of float32
         Unit normals.
     """
-    if getattr(mesh, "kind", None) != "mesh":
+    if not isinstance(mesh, Mesh):
         raise MeshdepictError(f"a {type(mesh).__name__} has no normals to smooth: give a Mesh")
     last = resolve_width(width, mesh)
     rungs = 1 + max(0, math.floor(2 * math.log2(last / mesh.edge_length) + 1e-9))

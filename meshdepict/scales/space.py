@@ -16,6 +16,7 @@ from meshdepict.scales.ladder import FACING, TOLERANCE
 if TYPE_CHECKING:
     from meshdepict.curvature.principal import PrincipalCurvatures
     from meshdepict.curvature.view import ViewCurvature
+    from meshdepict.scene.shape import Shape
     from meshdepict.scene.view import View
     from meshdepict.shapes.mesh import Mesh
     from meshdepict.transport.occlusion import Openness
@@ -48,7 +49,7 @@ class ScaleSpace:
 
     def __init__(
         self,
-        shape: Any,
+        shape: Shape,
         points: NDArray[np.float64],
         widths: NDArray[np.float64],
         ratio: float,
@@ -159,7 +160,7 @@ class ScaleSpace:
     @property
     def unit_points(self) -> NDArray[np.float64]:
         """(n, 3) positions moved to the shape's centre, in diagonals of the shape."""
-        return (self.points - self.shape.centre) / (self.shape.diagonal or 1.0)
+        return self.shape.recentred(self.points)
 
     @property
     def surface(self) -> Mesh:

@@ -3,18 +3,33 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from collections.abc import Collection, Sequence
+from typing import TypeAlias, TypeGuard
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from meshdepict.errors import MeshdepictError
 from meshdepict.options import nearest
 from meshdepict.scene.environment import Environment
 from meshdepict.scene.light import Light, Lights
+from meshdepict.scene.shape import Shape
 from meshdepict.scene.vectors import Vector, numbers_of
 from meshdepict.scene.view import View
 
-__all__ = ["LIGHTS", "as_light", "as_lighting", "as_lights", "as_view", "is_several"]
+__all__ = [
+    "LIGHTS", "LightLike", "Lighting", "LightsLike", "as_light", "as_lighting", "as_lights",
+    "as_view", "is_several",
+]  # fmt: skip
+
+LightLike: TypeAlias = str | ArrayLike | Light
+"""A light as people give it: a name, a direction (x, y, z), (azimuth, elevation), or a `Light`."""
+
+LightsLike: TypeAlias = LightLike | Environment | Sequence[LightLike | Environment]
+"""Where several will do: also a sequence of lights, or an Environment or its file."""
+
+Lighting: TypeAlias = Light | Lights | Environment
+"""What a bake is lit by, once names and angles have become directions."""
 
 # Azimuths clockwise from up. The elevation makes northwest (−1, 1, 1)/√3 in the view's frame.
 _COMPASS = {
@@ -25,7 +40,7 @@ _COMPASS_ELEVATION = math.degrees(math.asin(1 / math.sqrt(3)))
 LIGHTS = (*_COMPASS, "front")
 
 
-def as_light(light: Any, view: View | None = None) -> Light:
+def as_light(light: LightsLike, view: View | None = None) -> Light:
     """Return a light: as given, by name, by world direction or by angles in the view's frame.
 
     Parameters
@@ -71,7 +86,7 @@ def _from_angles(azimuth: float, elevation: float) -> Vector:
     return np.array([math.sin(a) * math.cos(e), math.cos(a) * math.cos(e), math.sin(e)])
 
 
-def as_lights(light: Any, view: View | None = None, *, count: int = 54) -> list[Light]:
+def as_lights(light: LightsLike, view: View | None = None, *, count: int = 54) -> list[Light]:
     """Return several lights: those of a sequence, `count` of an environment, or the one.
 
     Parameters
@@ -93,7 +108,7 @@ def as_lights(light: Any, view: View | None = None, *, count: int = 54) -> list[
     return lights
 
 
-def as_lighting(light: Any, view: View | None = None, *, up: str = "y") -> Any:
+def as_lighting(light: LightsLike, view: View | None = None, *, up: str = "y") -> Lighting:
     """Return what a bake is lit by: a `Light`, `Lights`, or an Environment as it is.
 
     A text that ends in ".hdr" is an Environment's file, whose up is that of the shape.
@@ -105,9 +120,9 @@ def as_lighting(light: Any, view: View | None = None, *, up: str = "y") -> Any:
     return Lights(as_lights(light, view)) if is_several(light) else as_light(light, view)
 
 
-def is_several(light: Any) -> bool:
+def is_several(light: object) -> TypeGuard[Sequence[LightLike | Environment]]:
     """Whether this is a sequence of lights, and not the numbers of one."""
-    if isinstance(light, (str, bytes, Light)) or not hasattr(light, "__len__"):
+    if isinstance(light, (str, bytes, Light)) or not isinstance(light, Collection):
         return False
     if getattr(light, "shape", None) == ():  # an array of no axis has no length, though it says so
         return False
@@ -116,7 +131,7 @@ def is_several(light: Any) -> bool:
     )
 
 
-def as_view(view: str | View, shape: Any, *, up: str = "y") -> View:
+def as_view(view: str | View, shape: Shape, *, up: str = "y") -> View:
     """Return a view: given as such or by name, then fitted to the shape.
 
     An image is seen from where it was made: its own view is the front.

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -22,7 +20,7 @@ UPS = tuple(_TURNS)
 """Axes that can point up."""
 
 
-def upright(up: Any) -> NDArray[np.float64]:
+def upright(up: object) -> NDArray[np.float64]:
     """Return the rotation (3, 3) that takes a frame whose y is up into the world.
 
     Raises

@@ -20,7 +20,7 @@ def frozen(array: NDArray[Any]) -> NDArray[Any]:
     return array
 
 
-def numbers_of(given: Any) -> Vector:
+def numbers_of(given: object) -> Vector:
     """Return a new read-only array of finite numbers, an empty one where that is impossible."""
     try:
         array = np.array(given, dtype=np.float64)

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from meshdepict.errors import MeshdepictError
 from meshdepict.options import nearest
+from meshdepict.scene.shape import Shape
 from meshdepict.scene.upright import upright
 from meshdepict.scene.vectors import Vector, numbers_of, unit
 
@@ -30,7 +31,7 @@ VIEWS = tuple(_VIEWS)
 _MARGIN = 1.05  # a fitted view leaves 5 % round the object
 
 
-def _positive(number: Any, below: float) -> bool:
+def _positive(number: object, below: float) -> bool:
     """Whether this is a number between zero and a bound."""
     value = numbers_of(number)
     return not isinstance(number, (str, bytes)) and value.shape == () and 0 < float(value) < below
@@ -111,7 +112,7 @@ class View:
 
     @classmethod
     def fitted(
-        cls, name: str, shape: Any, *, up: str = "y", aspect: float = 1.0, height_px: int = 1000
+        cls, name: str, shape: Shape, *, up: str = "y", aspect: float = 1.0, height_px: int = 1000
     ) -> View:
         """Make the named parallel view that shows the whole shape with a margin of 5 %.
 

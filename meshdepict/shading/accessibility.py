@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
@@ -60,7 +60,7 @@ def accessible_radii(points: Floats, normals: Floats, cap: float) -> Floats:
 @method(local=False, lights="none", source="Accessibility (Miller 1994)")
 def accessibility(
     space: ScaleSpace,
-    light: Any,
+    light: object,
     *,
     cap: Annotated[
         float,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,7 +21,7 @@ Rays = Annotated[int, Range(2, MOST_RAYS, help="rays from each point", soft=(16,
     local=False, lights="none", needs=("rays",), source="Ambient occlusion (Zhukov et al. 1998)"
 )
 def ambient_occlusion(
-    space: ScaleSpace, light: Any, *, rays: Rays = 256, exposure: Exposure = 1.0
+    space: ScaleSpace, light: object, *, rays: Rays = 256, exposure: Exposure = 1.0
 ) -> NDArray[np.float32]:
     """Shade by the share of the light from all around that reaches a point: hollows are dark.
 

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 from numpy.typing import NDArray
 
 from meshdepict.scales.space import ScaleSpace
-from meshdepict.scene.names import as_light, as_view
+from meshdepict.scene.names import LightLike, as_light, as_view
 from meshdepict.scene.view import View
 from meshdepict.shading.method import Exposure, exposed, method
 
@@ -20,7 +18,7 @@ _LEVEL = 1e-6
 
 @method(source="Moellering and Kimerling 1990; Exaggerated Shading (Rusinkiewicz et al. 2006), §2")
 def aspect(
-    space: ScaleSpace, light: Any, *, view: View | str = "front", exposure: Exposure = 1.0
+    space: ScaleSpace, light: LightLike, *, view: View | str = "front", exposure: Exposure = 1.0
 ) -> NDArray[np.float32]:
     """Shade by the direction that a slope faces on the picture plane, not by how steep it is.
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from meshdepict.options import Range
 from meshdepict.scales.space import ScaleSpace
 from meshdepict.scene.material import CookTorrance
-from meshdepict.scene.names import as_lights
+from meshdepict.scene.names import LightsLike, as_lights
 from meshdepict.scene.view import View
 from meshdepict.shading.direct import direct
 from meshdepict.shading.features import eyes, sight
@@ -26,7 +26,7 @@ __all__ = ["cook_torrance"]
 )
 def cook_torrance(
     space: ScaleSpace,
-    light: Any,
+    light: LightsLike,
     *,
     view: View | str = "front",
     diffuse: Annotated[float, Range(0, 1, help="albedo of the base")] = 0.6,

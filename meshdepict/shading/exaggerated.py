@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from meshdepict.options import Range
 from meshdepict.scales.space import ScaleSpace
-from meshdepict.scene.names import as_light
+from meshdepict.scene.names import LightLike, as_light
 from meshdepict.shading.attention import remoteness
 from meshdepict.shading.method import Exposure, exposed, method, require_smoothing
 
@@ -66,7 +66,7 @@ def band_weights(
 )
 def exaggerated(
     space: ScaleSpace,
-    light: Any,
+    light: LightLike,
     *,
     exaggeration: Annotated[
         float, Range(0, 1e30, help="steepness of the soft toon at every scale", soft=(1, 60))

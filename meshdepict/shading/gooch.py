@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
 
 from meshdepict.options import Range
 from meshdepict.scales.space import ScaleSpace
-from meshdepict.scene.names import as_light
+from meshdepict.scene.names import LightLike, as_light
 from meshdepict.shading.method import Exposure, exposed, method
 
 __all__ = ["gooch", "tones"]
@@ -28,7 +28,7 @@ def tones(
 @method(source="Gooch, Gooch, Shirley, Cohen, SIGGRAPH 1998")
 def gooch(
     space: ScaleSpace,
-    light: Any,
+    light: LightLike,
     *,
     surface: Annotated[float, Range(0, 1, help="the surface's own grey")] = 1.0,
     blue: Annotated[float, Range(0, 1, help="blue in the cool tone")] = 0.4,

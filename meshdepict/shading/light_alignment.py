@@ -15,6 +15,7 @@ from meshdepict.scene.material import (
     AshikhminShirley,
     CookTorrance,
     Lambert,
+    Material,
     Phong,
     adjusted,
     ambient_term,
@@ -22,7 +23,7 @@ from meshdepict.scene.material import (
     diffuse_term,
     specular_term,
 )
-from meshdepict.scene.names import as_lights
+from meshdepict.scene.names import LightsLike, as_lights
 from meshdepict.scene.view import View
 from meshdepict.shading.features import LightCount, Parameter, eyes, sight
 from meshdepict.shading.method import Exposure, exposed, method, require_smoothing
@@ -134,7 +135,7 @@ def _frame(
 )
 def light_alignment(
     space: ScaleSpace,
-    light: Any,
+    light: LightsLike,
     *,
     view: View | str = "front",
     material: AlignedMaterial = "lambert",
@@ -217,7 +218,7 @@ def light_alignment(
 def _terms(
     space: ScaleSpace,
     eye: NDArray[np.float32],
-    surface: Any,
+    surface: Material,
     *,
     transmitted: float,
     refraction: float,

@@ -23,7 +23,7 @@ from meshdepict.scene.material import (
     ambient_term,
     as_material,
 )
-from meshdepict.scene.names import as_lights
+from meshdepict.scene.names import LightsLike, as_lights
 from meshdepict.scene.view import View
 from meshdepict.shading.direct import direct, kernel_parameters, quantised
 from meshdepict.shading.features import (
@@ -57,7 +57,7 @@ Single = NDArray[np.float32]
 )
 def light_warping(
     space: ScaleSpace,
-    light: Any,
+    light: LightsLike,
     *,
     view: View | str = "front",
     material: MaterialName = "lambert",

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,7 +21,7 @@ __all__ = ["lit_sphere"]
 @method(lights="none", source="The Lit Sphere (Sloan et al., Graphics Interface 2001)")
 def lit_sphere(
     space: ScaleSpace,
-    light: Any,
+    light: object,
     *,
     view: View | str = "front",
     sphere: Annotated[

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Annotated, Any
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,7 +34,7 @@ _STRONGER = 4.0
 )
 def mean_curvature(
     space: ScaleSpace,
-    light: Any,
+    light: object,
     *,
     view: View | str = "front",
     curvature: CurvatureKind = "object",

@@ -8,14 +8,17 @@ import math
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import Annotated, Any, Literal, TypeVar, cast
+from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeVar, cast
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from meshdepict.errors import MeshdepictError
 from meshdepict.options import Range, check, nearest, options_of
 from meshdepict.shading.docstring import completed
+
+if TYPE_CHECKING:
+    from meshdepict.scales.space import ScaleSpace
 
 __all__ = [
     "NEEDS", "Declaration", "Exposure", "Lights", "declaration", "exposed", "is_method", "method",
@@ -136,7 +139,9 @@ def method(
     return declare
 
 
-def _seen_side(space: Any, two_sided: Any, given: dict[str, Any], *, sees: bool) -> Any:
+def _seen_side(
+    space: ScaleSpace, two_sided: object, given: dict[str, Any], *, sees: bool
+) -> ScaleSpace:
     """Return a scale space turned to the eye: what every method does if it is ``two_sided``."""
     from meshdepict.scales.seen_side import SeenSide
     from meshdepict.scene.names import as_view
@@ -168,7 +173,7 @@ def _name(function: Callable[..., Any]) -> str:
     return function.__name__
 
 
-def _proper(values: Any, count: int, name: str) -> NDArray[Any]:
+def _proper(values: ArrayLike, count: int, name: str) -> NDArray[Any]:
     """Return what a function of others gave back, in floats; refuse what can't be shown."""
     array = np.asarray(values)
     if array.shape not in ((count,), (count, 3)) or array.dtype.kind not in "fiub":
@@ -190,7 +195,7 @@ def declaration(function: Callable[..., Any]) -> Declaration:
     return function.declaration  # type: ignore[attr-defined]
 
 
-def is_method(function: Any) -> bool:
+def is_method(function: object) -> bool:
     """Whether something is a shading function that was declared by `method`."""
     return callable(function) and isinstance(getattr(function, "declaration", None), Declaration)
 
@@ -200,7 +205,7 @@ def exposed(values: NDArray[Any], exposure: float) -> NDArray[Any]:
     return np.clip(values * values.dtype.type(exposure), 0, 1)
 
 
-def require_smoothing(space: Any, what: str, *, scales: int) -> None:
+def require_smoothing(space: ScaleSpace, what: str, *, scales: int) -> None:
     """Refuse a scale space without any smoothed normals, saying how many are usual."""
     if len(space.widths) < 2:
         raise MeshdepictError(f"{what} needs at least one scale; make more with scales={scales}")

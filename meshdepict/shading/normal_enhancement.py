@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from meshdepict.options import Range
 from meshdepict.scales.space import ScaleSpace
-from meshdepict.scene.names import as_light
+from meshdepict.scene.names import LightLike, as_light
 from meshdepict.shading.method import Exposure, exposed, method, require_smoothing
 
 __all__ = ["enhanced_normals", "normal_enhancement"]
@@ -26,7 +26,7 @@ def enhanced_normals(normals: ArrayLike, smoothed: ArrayLike, amount: float) -> 
 @method(scales=5, linear=True, compared={}, source="Normal enhancement (Cignoni et al. 2005)")
 def normal_enhancement(
     space: ScaleSpace,
-    light: Any,
+    light: LightLike,
     *,
     amount: Annotated[
         float, Range(0, 1e3, help="k: how far normals are turned", soft=(0, 5))

@@ -15,7 +15,7 @@ from meshdepict.scene.material import (
     Refractive,
     ambient_term,
 )
-from meshdepict.scene.names import as_lights
+from meshdepict.scene.names import LightsLike, as_lights
 from meshdepict.scene.view import View
 from meshdepict.shading.direct import direct, quantised
 from meshdepict.shading.features import (
@@ -94,7 +94,7 @@ def scaling(
 )
 def radiance_scaling(
     space: ScaleSpace,
-    light: Any,
+    light: LightsLike,
     *,
     view: View | str = "front",
     material: MaterialName = "phong",

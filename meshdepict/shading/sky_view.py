@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
 
 from meshdepict.options import Range
 from meshdepict.scales.space import ScaleSpace
-from meshdepict.scene.names import as_light
+from meshdepict.scene.names import LightLike, as_light
 from meshdepict.shading.ambient_occlusion import Rays
 from meshdepict.shading.method import Exposure, exposed, method
 from meshdepict.transport.occlusion import sky_openness
@@ -24,7 +24,7 @@ __all__ = ["sky_view"]
 )
 def sky_view(
     space: ScaleSpace,
-    light: Any,
+    light: LightLike,
     *,
     spread: Annotated[
         float, Range(1, 90, unit="°", help="half the opening of the cap of sky round the light")

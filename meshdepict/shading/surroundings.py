@@ -19,6 +19,7 @@ from meshdepict.scene.material import (
     refracted,
     towards_visible,
 )
+from meshdepict.scene.names import LightsLike
 from meshdepict.scene.view import View
 from meshdepict.shading.features import Frames, eyes
 from meshdepict.shading.painted import painted, sphere_picture
@@ -29,7 +30,7 @@ __all__ = ["as_environment", "gathered", "luminance", "seen", "sphere_colors"]
 Single = NDArray[np.float32]
 
 
-def as_environment(light: Any, what: str) -> Environment:
+def as_environment(light: LightsLike, what: str) -> Environment:
     """Return the light if it is an environment.
 
     Raises
@@ -51,7 +52,7 @@ def luminance(colors: NDArray[Any]) -> Single:
 
 
 def seen(
-    space: ScaleSpace, light: Any, view: View, material: Mirror | Refractive,
+    space: ScaleSpace, light: LightsLike, view: View, material: Mirror | Refractive,
     frames: Frames | None = None, warping: float = 0.0,
 ) -> Single:  # fmt: skip
     """Return the radiance (n, 3) in the direction where a mirror or a refraction looks.
@@ -89,7 +90,7 @@ def sphere_colors(space: ScaleSpace, view: View, material: LitSphere, convexity:
 
 
 def gathered(
-    space: ScaleSpace, light: Any, material: Material, *, illumination: str, rays: int
+    space: ScaleSpace, light: LightsLike, material: Material, *, illumination: str, rays: int
 ) -> tuple[Single, Single]:
     """Return precomputed diffuse light and its reflectance mapping δ (Radiance Scaling, §5.3).
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from meshdepict.options import Range
 from meshdepict.scales.space import ScaleSpace
 from meshdepict.scene.material import Lambert, soft_steps
-from meshdepict.scene.names import as_lights
+from meshdepict.scene.names import LightsLike, as_lights
 from meshdepict.shading.direct import direct
 from meshdepict.shading.method import Exposure, exposed, method
 
@@ -23,7 +23,7 @@ Sharpness = Annotated[float, Range(1e-3, 1e3, help="φ: how narrow steps are", s
 @method(lights="several", source="Winnemöller, Olsen and Gooch, Real-Time Video Abstraction, 2006")
 def toon(
     space: ScaleSpace,
-    light: Any,
+    light: LightsLike,
     *,
     bins: Bins = 8,
     sharpness: Sharpness = 6.0,

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
 
 from meshdepict.options import Range
 from meshdepict.scales.space import ScaleSpace
-from meshdepict.scene.names import as_light
+from meshdepict.scene.names import LightLike, as_light
 from meshdepict.shading.method import Exposure, exposed, method, require_smoothing
 
 __all__ = ["unsharp_masking"]
@@ -18,7 +18,7 @@ __all__ = ["unsharp_masking"]
 @method(local=False, scales=5, linear=True, source="3D unsharp masking (Ritschel et al. 2008)")
 def unsharp_masking(
     space: ScaleSpace,
-    light: Any,
+    light: LightLike,
     *,
     amount: Annotated[
         float, Range(0, 1e3, help="k: how much local contrast is raised", soft=(0, 5))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,7 +29,7 @@ _COLD = np.array([0.10, 0.35, 0.75], np.float32)
 )
 def view_curvature(
     space: ScaleSpace,
-    light: Any = None,
+    light: object = None,
     *,
     view: View | str = "front",
     scale: Scale = 1,

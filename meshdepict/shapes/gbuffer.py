@@ -229,6 +229,11 @@ class GBuffer(PixelSamples):
         largest = float(extent.max())
         return largest and largest * float(np.linalg.norm(extent / largest))
 
+    def recentred(self, points: Floats) -> Floats:
+        """Return world positions (…, 3) relative to the centre, in diagonals."""
+        moved: Floats = (points - self.centre) / (self.diagonal or 1.0)
+        return moved
+
     @property
     def identity(self) -> str:
         """Size, number of samples, and the fingerprint of mask, normals and depths."""

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import math
-from typing import Any
 
 from meshdepict.errors import MeshdepictError
 from meshdepict.options import real
+from meshdepict.scene.shape import Shape
 
 __all__ = ["resolve_width"]
 
 
-def resolve_width(width: float | str | None, shape: Any) -> float:
+def resolve_width(width: float | str | None, shape: Shape) -> float:
     """Return a width in world units: a number, "0.2%" of the diagonal, or None.
 
     None is the shape's own step: a mesh's median edge, a volume's largest spacing, a pixel.

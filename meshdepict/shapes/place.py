@@ -43,5 +43,4 @@ class Place(Grid):
     @property
     def identity(self) -> str:
         """Size and range: the values are never looked at all at once."""
-        nz, ny, nx = self.counts
-        return f"{nx} x {ny} x {nz} voxels, {self.range[0]:g} to {self.range[1]:g}"
+        return f"{super().identity}, {self.range[0]:g} to {self.range[1]:g}"

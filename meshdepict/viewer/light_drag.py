@@ -6,13 +6,13 @@ Everything here is about numbers: a window, a page and a test turn the same ligh
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from meshdepict.errors import MeshdepictError
 from meshdepict.scene.light import Light, Lights
+from meshdepict.scene.names import Lighting
 from meshdepict.scene.vectors import numbers_of
 from meshdepict.scene.view import View
 
@@ -21,7 +21,7 @@ __all__ = ["angles", "carried", "dragged", "lights_of"]
 _TURN = math.pi  # radians for a drag over the whole height: from rim to rim of the object
 
 
-def dragged(lighting: Any, view: View, drag: ArrayLike) -> Any:
+def dragged(lighting: Lighting, view: View, drag: ArrayLike) -> Lighting:
     """Return a light after a drag: it goes where the pointer goes, and behind at the rim.
 
     Parameters
@@ -54,7 +54,7 @@ def dragged(lighting: Any, view: View, drag: ArrayLike) -> Any:
     return _turned(lighting, _rotation(axis, _TURN * length))
 
 
-def carried(lighting: Any, before: View, after: View) -> Any:
+def carried(lighting: Lighting, before: View, after: View) -> Lighting:
     """Return the light that stands to the eye after a move as it stood before.
 
     An environment is returned as it is.
@@ -72,14 +72,14 @@ def angles(light: Light, view: View) -> tuple[float, float]:
     return azimuth, math.degrees(math.asin(max(-1.0, min(1.0, towards))))
 
 
-def lights_of(lighting: Any) -> tuple[Light, ...]:
+def lights_of(lighting: Lighting) -> tuple[Light, ...]:
     """Return the lights one by one; none of an environment."""
     if isinstance(lighting, Light):
         return (lighting,)
     return tuple(lighting) if isinstance(lighting, Lights) else ()
 
 
-def _turned(lighting: Any, turn: NDArray[np.float64]) -> Any:
+def _turned(lighting: Lighting, turn: NDArray[np.float64]) -> Light | Lights:
     lights = [Light(turn @ light.direction, color=light.color) for light in lights_of(lighting)]
     if not lights:
         raise MeshdepictError("a panorama can't be turned by hand: shade by a light instead")

@@ -20,7 +20,7 @@ from meshdepict.errors import MeshdepictError
 from meshdepict.options import check, options_of
 from meshdepict.scales.making import scale_space
 from meshdepict.scales.space import ScaleSpace
-from meshdepict.scene.names import as_lighting, as_view
+from meshdepict.scene.names import LightsLike, as_lighting, as_view
 from meshdepict.scene.view import View
 from meshdepict.shading.registry import find_method
 from meshdepict.viewer.light_drag import carried, dragged
@@ -62,7 +62,7 @@ class Session:
 
     def __init__(
         self,
-        shape: Any,
+        shape: object,
         method: str | Callable[..., Any] = "exaggerated",
         *,
         progress: Callable[[float, float], None] | None = None,
@@ -109,7 +109,7 @@ class Session:
         self.options.update(check(self.function, wanted, self.method))
         self._baked = None
 
-    def shine(self, light: Any) -> None:
+    def shine(self, light: LightsLike) -> None:
         """Change the light: anything that `bake` takes."""
         self.light = as_lighting(light, self.view, up=self.up)
         self._baked = None
@@ -167,7 +167,8 @@ class Session:
 
     def go_back(self, look: Look) -> None:
         """Choose again what `look_now` returned."""
-        self.light, self.view = look.light, as_view(look.view, self.shape, up=self.up)
+        self.view = as_view(look.view, self.shape, up=self.up)
+        self.light = as_lighting(look.light, self.view, up=self.up)
         self.use(look.function)
         self.options.clear()
         self.options.update(look.options)

@@ -99,6 +99,12 @@ class Grid:
         """
         return self.origin + (np.asarray(indices, np.float64) * self.spacing) @ self.direction.T
 
+    @property
+    def identity(self) -> str:
+        """Counts along x, y and z."""
+        nz, ny, nx = self.counts
+        return f"{nx} x {ny} x {nz} voxels"
+
     @cached_property
     def outline(self) -> Floats:
         """(8, 3) world corners of the box of voxel centres: what a view has to show."""

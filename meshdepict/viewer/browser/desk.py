@@ -77,9 +77,8 @@ class Desk:
         """Return all that the page's controls show."""
         from meshdepict.shading.registry import METHODS
 
-        session = self.session
+        session, light = self.session, self.session.light
         summary = (inspect.getdoc(session.function) or "").partition("\n\n")[0]
-        single = isinstance(session.light, Light)
         return {
             "title": self.title,
             "kinds": list(KINDS),
@@ -87,9 +86,9 @@ class Desk:
             "methods": list(METHODS),
             "about": " ".join(summary.split()),
             "controls": [self._control(control) for control in controls(session.function)],
-            "light": session.light.direction.tolist() if single else None,
+            "light": light.direction.tolist() if isinstance(light, Light) else None,
             "follows": session.light_fixed_to == "eye",
-            "lightText": str(session.light)[:200],
+            "lightText": str(light)[:200],
             "colormap": session.colormap or "",
             "colormaps": list(_OFFERED),
         }
