@@ -47,7 +47,10 @@ def modules(root: Path = ROOT) -> dict[str, Path]:
 
 
 def imported(tree: ast.AST, known: dict[str, Path]) -> Iterator[tuple[str, bool]]:
-    """Yield the modules that code imports anywhere, and whether only when a function runs."""
+    """Yield the modules that code imports anywhere, and whether not at once, if at all.
+
+    That is: when a function runs, or for the type checker alone.
+    """
 
     def walk(node: ast.AST, *, lazy: bool) -> Iterator[tuple[str, bool]]:
         for child in ast.iter_child_nodes(node):
@@ -65,7 +68,11 @@ def imported(tree: ast.AST, known: dict[str, Path]) -> Iterator[tuple[str, bool]
             for name in names:
                 yield name, lazy
             inner = lazy or isinstance(child, (ast.FunctionDef, ast.AsyncFunctionDef))
-            yield from walk(child, lazy=inner)
+            if isinstance(child, ast.If) and ast.unparse(child.test) == "TYPE_CHECKING":
+                yield from walk(ast.Module(child.body, []), lazy=True)
+                yield from walk(ast.Module(child.orelse, []), lazy=inner)
+            else:
+                yield from walk(child, lazy=inner)
 
     yield from walk(tree, lazy=False)
 

@@ -4,16 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from meshdepict.drawing.display import check_opengl
+from meshdepict.shapes.mesh import Mesh
 
 if TYPE_CHECKING:
     from meshdepict.drawing.painted import Painted
+    from meshdepict.drawing.plotter import Camera, Plotter
+    from meshdepict.scene.shape import Shape
     from meshdepict.scene.view import View
+    from meshdepict.shapes.data_set import PolyData
 
 __all__ = [
     "Canvas",
@@ -37,7 +41,7 @@ _SIDE = 16384
 class Canvas:
     """An off-screen window with one shape in it; see `canvas`."""
 
-    def __init__(self, baked: Painted, window: Any, finer: int) -> None:
+    def __init__(self, baked: Painted, window: Plotter, finer: int) -> None:
         self.shape = baked.shape
         self._window, self._finer = window, finer
         self._poly = unit_polydata(baked)
@@ -83,7 +87,7 @@ def canvas(baked: Painted, size: tuple[int, int], *, samples: int = 3) -> Iterat
 
 
 @contextmanager
-def off_screen(size: tuple[int, int]) -> Iterator[Any]:
+def off_screen(size: tuple[int, int]) -> Iterator[Plotter]:
     """Give a ``pyvista.Plotter`` of a size in pixels, on black, that no screen shows; close it."""
     import pyvista as pv
 
@@ -99,7 +103,7 @@ def off_screen(size: tuple[int, int]) -> Iterator[Any]:
             window.close()
 
 
-def pixels_of(window: Any, view: View, shape: Any) -> Bytes:
+def pixels_of(window: Plotter, view: View, shape: Shape) -> Bytes:
     """Return what a window shows in a view, (height, width, 4): colour times coverage, coverage."""
     place(window.camera, view, shape)
     window.reset_camera_clipping_range()
@@ -107,12 +111,12 @@ def pixels_of(window: Any, view: View, shape: Any) -> Bytes:
     return np.asarray(window.screenshot(return_img=True, transparent_background=True))
 
 
-def add_painted(window: Any, poly: Any) -> None:
+def add_painted(window: Plotter, poly: PolyData) -> None:
     """Add a ``pyvista.PolyData`` to a plotter, its "RGB" just as it is."""
     window.add_mesh(poly, scalars="RGB", rgb=True, lighting=False, show_scalar_bar=False)
 
 
-def on_ground(premultiplied: Any, ground: tuple[int, int, int] | None) -> Any:
+def on_ground(premultiplied: Bytes, ground: tuple[int, int, int] | None) -> Bytes:
     """Lay colours times coverage, and coverage, (h, w, 4), on a ground.
 
     Returns
@@ -130,23 +134,25 @@ def on_ground(premultiplied: Any, ground: tuple[int, int, int] | None) -> Any:
     return np.concatenate((plain, coverage), axis=2)
 
 
-def unit_polydata(baked: Painted) -> Any:
+def unit_polydata(baked: Painted) -> PolyData:
     """Return a bake as ``pyvista.PolyData`` in its own diagonals, about the origin.
 
     Graphics cards compute in single precision: far from the origin a picture would crumble.
     """
     poly = baked.to_pyvista()
+    assert isinstance(baked.shape, Mesh)
     poly.points = baked.shape.recentred(baked.shape.vertices)
     return poly
 
 
-def place(camera: Any, view: View, shape: Any) -> None:
+def place(camera: Camera, view: View, shape: Shape) -> None:
     """Make a camera see `unit_polydata` as a view sees the shape."""
     unit = shape.diagonal or 1.0
     camera.position = tuple(shape.recentred(view.position))
     camera.focal_point = tuple(shape.recentred(view.focus))
     camera.up = tuple(view.up)
     if view.parallel_scale is None:
+        assert view.field_of_view is not None
         camera.parallel_projection = False
         camera.view_angle = view.field_of_view
     else:

@@ -5,9 +5,14 @@ from __future__ import annotations
 import ctypes
 import os
 import sys
-from typing import Any
+from typing import TYPE_CHECKING
 
 from meshdepict.errors import MeshdepictError
+
+if TYPE_CHECKING:
+    from vtkmodules.vtkRenderingCore import vtkRenderWindow
+
+    from meshdepict.drawing.plotter import Plotter
 
 __all__ = ["check_display", "check_opengl", "has_graphics_card"]
 
@@ -15,7 +20,7 @@ _SOFTWARE = ("llvmpipe", "softpipe", "swrast", "swiftshader", "software")
 _OSMESA = ("libOSMesa.so.8", "libOSMesa.so.6", "libOSMesa.so")
 
 
-def check_display(plotter: Any = None) -> None:
+def check_display(plotter: Plotter | None = None) -> None:
     """Refuse to open a window where none can be seen.
 
     Parameters
@@ -39,7 +44,7 @@ def check_display(plotter: Any = None) -> None:
         )
 
 
-def check_opengl(plotter: Any) -> None:
+def check_opengl(plotter: Plotter) -> None:
     """Refuse to draw where VTK found no OpenGL; it would end the program.
 
     Parameters
@@ -67,7 +72,7 @@ def check_opengl(plotter: Any) -> None:
     )
 
 
-def has_graphics_card(window: Any) -> bool:
+def has_graphics_card(window: vtkRenderWindow) -> bool:
     """Whether the OpenGL of a render window, which draws for it, is more than software."""
     window.Render()
     return not any(name in window.ReportCapabilities().lower() for name in _SOFTWARE)

@@ -6,7 +6,7 @@ import subprocess
 import tempfile
 from collections.abc import Iterable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, BinaryIO
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +15,7 @@ from meshdepict.errors import MeshdepictError
 from meshdepict.files.mark import MARK
 
 if TYPE_CHECKING:
+    from PIL.Image import Image
     from scipy.spatial import KDTree
 
 __all__ = ["gif_speed", "read_movie_provenance", "require_encoder", "write_gif", "write_mp4"]
@@ -43,7 +44,7 @@ def require_encoder() -> str:
 
 
 def write_mp4(
-    path: str | Path, frames: Iterable[Any], *, fps: float, lines: Sequence[str] = ()
+    path: str | Path, frames: Iterable[Image], *, fps: float, lines: Sequence[str] = ()
 ) -> None:
     """Encode images as H.264 into a file.
 
@@ -91,9 +92,9 @@ def write_mp4(
 
 
 def write_gif(
-    stream: Any,
-    frames: Iterable[Any],
-    samples: Sequence[Any],
+    stream: BinaryIO,
+    frames: Iterable[Image],
+    samples: Sequence[Image],
     *,
     fps: float,
     lines: Sequence[str] = (),
@@ -146,7 +147,7 @@ def read_movie_provenance(path: str | Path) -> list[str] | None:
     return [line for line in said if line.startswith(MARK)] or None
 
 
-def _palette(samples: Sequence[Any]) -> NDArray[np.uint8]:
+def _palette(samples: Sequence[Image]) -> NDArray[np.uint8]:
     """Return the 256 colours (256, 3) that serve all: exact greys, or an exact ground."""
     from PIL import Image
 
@@ -159,7 +160,7 @@ def _palette(samples: Sequence[Any]) -> NDArray[np.uint8]:
     return colors
 
 
-def _paletted(image: Any, palette: KDTree) -> Any:
+def _paletted(image: Image, palette: KDTree) -> Image:
     """Return an image in the nearest colours of a palette; Pillow's own search is a rough one."""
     from PIL import Image
 
@@ -188,6 +189,6 @@ def _command(
     ]  # fmt: skip
 
 
-def _even(pixels: Any) -> Any:
+def _even(pixels: NDArray[np.uint8]) -> NDArray[np.uint8]:
     height, width = pixels.shape[:2]
     return np.pad(pixels, ((0, height % 2), (0, width % 2), (0, 0)), mode="edge")

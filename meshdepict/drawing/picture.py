@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from meshdepict.drawing.canvas import add_painted, canvas, on_ground, place, unit_polydata
 from meshdepict.drawing.figure import Figure
@@ -14,9 +15,13 @@ from meshdepict.drawing.framing import Framing, frame
 from meshdepict.drawing.scale_bar import draw_scale_bar
 from meshdepict.errors import MeshdepictError
 from meshdepict.files.mark import MARK
+from meshdepict.shapes.gbuffer import GBuffer
 
 if TYPE_CHECKING:
+    from PIL.Image import Image
+
     from meshdepict.drawing.painted import Depicted, Painted
+    from meshdepict.drawing.plotter import Plotter
 
 __all__ = [
     "check_picture",
@@ -30,16 +35,16 @@ __all__ = [
 ]
 
 
-def plot(baked: Painted, **plotter: Any) -> Any:
+def plot(baked: Painted, **plotter: Any) -> Plotter:
     """Return a ``pyvista.Plotter`` that shows the bake; keywords go to the plotter."""
     return plot_with(lambda window: add_painted(window, unit_polydata(baked)), baked, **plotter)
 
 
-def plot_with(add: Callable[[Any], Any], baked: Depicted, **plotter: Any) -> Any:
+def plot_with(add: Callable[[Plotter], object], baked: Depicted, **plotter: Any) -> Plotter:
     """Return a plotter with what is added to it, in the bake's view."""
     import pyvista as pv
 
-    window = pv.Plotter(**plotter)
+    window: Plotter = pv.Plotter(**plotter)
     window.set_background("white")
     add(window)
     width, height = window.window_size
@@ -85,12 +90,13 @@ def save_image(baked: Painted, path: str | Path, *, background: str = "white") -
     check_picture(path)
     ground = Figure(background=background).ground
     covered = np.column_stack((baked.colors, np.full(len(baked.colors), 255, np.uint8)))
+    assert isinstance(baked.shape, GBuffer)
     pixels = on_ground(baked.shape.image(covered), ground)
     return write_picture(Image.fromarray(pixels), path, baked.provenance)
 
 
 def write_picture(
-    image: Any, path: str | Path, facts: Mapping[str, str], dpi: float | None = None
+    image: Image, path: str | Path, facts: Mapping[str, str], dpi: float | None = None
 ) -> Path:
     """Write a ``PIL.Image`` as a PNG with facts about it, from where they can be read back.
 
@@ -111,7 +117,7 @@ def write_picture(
     return Path(path)
 
 
-def finished(drawn: Any, framing: Framing, figure: Figure) -> Any:
+def finished(drawn: NDArray[np.uint8], framing: Framing, figure: Figure) -> Image:
     """Return what a canvas drew as a ``PIL.Image`` on its ground, with the scale bar."""
     from PIL import Image
 

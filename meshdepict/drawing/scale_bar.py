@@ -8,6 +8,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from PIL.Image import Image
+
     from meshdepict.drawing.figure import Figure
     from meshdepict.drawing.framing import Framing
 
@@ -57,7 +59,7 @@ def scale_bar(extent: float, unit: str = "", *, share: float = _SHARE) -> ScaleB
     return ScaleBar(length, 4 if first == 2 else 5, f"{number} {name}")
 
 
-def draw_scale_bar(image: Any, framing: Framing, figure: Figure) -> None:
+def draw_scale_bar(image: Image, framing: Framing, figure: Figure) -> None:
     """Draw the scale bar at the bottom left of a ``PIL.Image``; in parallel views only."""
     from PIL import ImageDraw
 

@@ -8,11 +8,14 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from meshdepict.errors import MeshdepictError
+
+if TYPE_CHECKING:
+    from vtkmodules.vtkRenderingCore import vtkActor, vtkUniforms
 
 __all__ = ["MOST_LIGHTS", "SURROUNDINGS", "Uniforms", "assemble", "caught_errors", "set_uniforms"]
 
@@ -42,7 +45,7 @@ _DECLARE, _COMPUTE = "//VTK::Normal::Dec", "//VTK::Normal::Impl"
 _PAINT = "//VTK::Light::Impl"
 
 
-def assemble(actor: Any, parts: Mapping[str, str], defines: Mapping[str, int]) -> None:
+def assemble(actor: vtkActor, parts: Mapping[str, str], defines: Mapping[str, int]) -> None:
     """Replace an actor's lighting; the parts stand in the order in which they are given.
 
     Parameters
@@ -70,7 +73,7 @@ def assemble(actor: Any, parts: Mapping[str, str], defines: Mapping[str, int]) -
         shader.AddFragmentShaderReplacement(place, first, f"{text}\n", everywhere)
 
 
-def set_uniforms(given: Any, uniforms: Uniforms) -> None:
+def set_uniforms(given: vtkUniforms, uniforms: Uniforms) -> None:
     """Hand numbers to the shader: no vertex is touched.
 
     Parameters

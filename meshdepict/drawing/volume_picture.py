@@ -20,14 +20,19 @@ from meshdepict.errors import MeshdepictError
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
+    from PIL.Image import Image
+    from vtkmodules.vtkCommonDataModel import vtkPlane
+    from vtkmodules.vtkRenderingCore import vtkVolume
+
     from meshdepict.drawing.painted import PaintedVolume
+    from meshdepict.drawing.plotter import Plotter
 
 __all__ = ["draw_volume", "plot_volume", "save_volume_picture"]
 
 _TRIAL = (16, 16)  # pixels, to see whether the card takes this program's shader
 
 
-def plot_volume(baked: PaintedVolume, **plotter: Any) -> Any:
+def plot_volume(baked: PaintedVolume, **plotter: Any) -> Plotter:
     """Return a ``pyvista.Plotter`` that shows the bake; keywords go to the plotter."""
     add = add_baked
     try:
@@ -44,8 +49,8 @@ def draw_volume(
     figure: Figure | None = None,
     *,
     plain: bool = False,
-    planes: Sequence[Any] = (),
-) -> Any:
+    planes: Sequence[vtkPlane] = (),
+) -> Image:
     """Return a ``PIL.Image`` of a bake in its view.
 
     Parameters
@@ -73,7 +78,7 @@ def draw_volume(
                 "bake the volume with transfer='bone' or another"
             )
 
-        def before(window: Any) -> Any:
+        def before(window: Plotter) -> vtkVolume:
             return add_plain(window, baked.shape, transfer)
 
         drawn = _drawn(before, baked, framing, planes)
@@ -92,7 +97,7 @@ def save_volume_picture(
     figure: Figure | None = None,
     *,
     plain: bool = False,
-    planes: Sequence[Any] = (),
+    planes: Sequence[vtkPlane] = (),
     **layout: Any,
 ) -> Path:
     """Render `draw_volume` as a PNG, and put it in place once it is complete.
@@ -113,7 +118,10 @@ def save_volume_picture(
 
 
 def _drawn(
-    add: Callable[[Any], Any], baked: PaintedVolume, framing: Framing, planes: Sequence[Any]
+    add: Callable[[Plotter], vtkVolume],
+    baked: PaintedVolume,
+    framing: Framing,
+    planes: Sequence[vtkPlane],
 ) -> NDArray[np.uint8]:
     """Draw what is added to a window, in a view: colour times coverage, and coverage."""
     with off_screen(framing.drawn) as window:

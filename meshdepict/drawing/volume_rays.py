@@ -21,9 +21,13 @@ from meshdepict.drawing.empty_space import BLOCK, clearance
 from meshdepict.errors import MeshdepictError
 
 if TYPE_CHECKING:
-    from meshdepict.voxels.grid import Grid
+    from vtkmodules.vtkRenderingCore import vtkVolume
+    from vtkmodules.vtkRenderingVolume import vtkGPUVolumeRayCastMapper
 
-__all__ = ["LEVELS", "march", "refill", "volume_actor"]
+    from meshdepict.shapes.data_set import ImageData
+    from meshdepict.voxels.grid import Grid, Triple
+
+__all__ = ["LEVELS", "march", "ray_caster", "refill", "volume_actor"]
 
 LEVELS = 1024
 """Levels that have a colour and an opacity of their own; between them lie straight lines."""
@@ -101,7 +105,7 @@ matter_before = matter;
 """
 
 
-def volume_actor(values: NDArray[Any], volume: Grid, corner: Any = (0, 0, 0)) -> Any:
+def volume_actor(values: NDArray[Any], volume: Grid, corner: Triple = (0, 0, 0)) -> vtkVolume:
     """Return a ``vtkVolume`` of voxels, in the volume's diagonals about the origin.
 
     Parameters
@@ -129,8 +133,17 @@ def volume_actor(values: NDArray[Any], volume: Grid, corner: Any = (0, 0, 0)) ->
     return actor
 
 
+def ray_caster(actor: vtkVolume) -> vtkGPUVolumeRayCastMapper:
+    """Return what casts the rays of an actor of `volume_actor`."""
+    from vtkmodules.vtkRenderingVolume import vtkGPUVolumeRayCastMapper
+
+    mapper = actor.GetMapper()
+    assert isinstance(mapper, vtkGPUVolumeRayCastMapper)
+    return mapper
+
+
 def march(
-    actor: Any,
+    actor: vtkVolume,
     volume: Grid,
     levels: NDArray[Any],
     classes: NDArray[np.float32],
@@ -215,9 +228,9 @@ def _voxel(volume: Grid) -> float:
     return float(volume.spacing.min()) / (volume.diagonal or 1.0)
 
 
-def refill(actor: Any, values: NDArray[Any], volume: Grid) -> None:
+def refill(actor: vtkVolume, values: NDArray[Any], volume: Grid) -> None:
     """Give an actor other values of the same voxels."""
-    image = actor.GetMapper().GetInput()
+    image: ImageData = ray_caster(actor).GetInput()
     image.point_data["values"][:] = _right_handed(values, volume)
     image.point_data["values"].VTKObject.Modified()
     image.Modified()
@@ -230,7 +243,7 @@ def _right_handed(values: NDArray[Any], volume: Grid) -> NDArray[Any]:
     return values.reshape(values.shape[0] * values.shape[1] * values.shape[2], -1)
 
 
-def _unit_image(values: NDArray[Any], volume: Grid, corner: Any) -> Any:
+def _unit_image(values: NDArray[Any], volume: Grid, corner: Triple) -> ImageData:
     """Return voxels as ``pyvista.ImageData``, always on a right-handed grid.
 
     VTK's ray caster would draw a left-handed one inside out.
@@ -242,7 +255,7 @@ def _unit_image(values: NDArray[Any], volume: Grid, corner: Any) -> Any:
     if np.linalg.det(direction) < 0:
         first[0] += nx - 1
         direction = direction * (-1, 1, 1)
-    image = pv.ImageData(
+    image: ImageData = pv.ImageData(
         dimensions=(nx, ny, nz),
         spacing=volume.spacing / (volume.diagonal or 1.0),
         origin=volume.recentred(volume.to_world(first)),

@@ -13,11 +13,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshdepict import color
-from meshdepict.drawing.volume_rays import LEVELS, march, refill, volume_actor
+from meshdepict.drawing.volume_rays import LEVELS, march, ray_caster, refill, volume_actor
 
 if TYPE_CHECKING:
+    from vtkmodules.vtkCommonDataModel import vtkPiecewiseFunction
+    from vtkmodules.vtkRenderingCore import vtkVolume
+
     from meshdepict.color.transfer_function import TransferFunction
     from meshdepict.drawing.painted import PaintedVolume
+    from meshdepict.drawing.plotter import Plotter
     from meshdepict.scales.grid_scales import GridSpace
     from meshdepict.voxels.grid import Grid
 
@@ -171,7 +175,7 @@ def _light(baked: PaintedVolume, box: tuple[slice, slice, slice]) -> NDArray[np.
 # --- actors -----------------------------------------------------------------------------------
 
 
-def add_baked(window: Any, baked: PaintedVolume) -> Any:
+def add_baked(window: Plotter, baked: PaintedVolume) -> vtkVolume:
     """Add a bake to a plotter, the transfer function asked where rays pass; return the actor."""
     found = texture(baked)
     actor = volume_actor(found.values, baked.shape, found.corner)
@@ -180,12 +184,12 @@ def add_baked(window: Any, baked: PaintedVolume) -> Any:
     return actor
 
 
-def repaint(actor: Any, baked: PaintedVolume) -> None:
+def repaint(actor: vtkVolume, baked: PaintedVolume) -> None:
     """Give an actor of `add_baked` the light of another bake of the same scale space."""
     refill(actor, texture(baked).values, baked.shape)
 
 
-def add_rgba(window: Any, baked: PaintedVolume) -> Any:
+def add_rgba(window: Plotter, baked: PaintedVolume) -> vtkVolume:
     """Add a bake to a plotter without a shader of this program's; return the actor.
 
     Colours are those of voxels, interpolated; opacity follows from the CT number all the same.
@@ -193,7 +197,7 @@ def add_rgba(window: Any, baked: PaintedVolume) -> Any:
     found = texture(baked)
     found.values[..., :3] = baked.rgba[_box(baked)][..., :3]
     actor = volume_actor(found.values, baked.shape, found.corner)
-    actor.GetMapper().UseJitteringOn()
+    ray_caster(actor).UseJitteringOn()
     properties = actor.GetProperty()
     properties.IndependentComponentsOff()
     properties.SetScalarOpacity(_opacity(np.linspace(0, 255, LEVELS), found.classes[:, 3]))
@@ -201,12 +205,12 @@ def add_rgba(window: Any, baked: PaintedVolume) -> Any:
     return actor
 
 
-def add_plain(window: Any, volume: Grid, transfer: TransferFunction) -> Any:
+def add_plain(window: Plotter, volume: Grid, transfer: TransferFunction) -> vtkVolume:
     """Add a volume to a plotter with VTK's own shading, for comparison; return the actor."""
     from vtkmodules.vtkRenderingCore import vtkColorTransferFunction
 
     actor = volume_actor(volume.values, volume)
-    actor.GetMapper().UseJitteringOn()  # grain instead of the wood grain of its regular steps
+    ray_caster(actor).UseJitteringOn()  # grain instead of the wood grain of its regular steps
     places = np.linspace(*transfer_window(transfer, volume), LEVELS)
     colors = vtkColorTransferFunction()
     for place, shade in zip(places, transfer.color(places), strict=True):
@@ -219,7 +223,7 @@ def add_plain(window: Any, volume: Grid, transfer: TransferFunction) -> Any:
     return actor
 
 
-def _opacity(places: Any, values: Any) -> Any:
+def _opacity(places: NDArray[Any], values: NDArray[Any]) -> vtkPiecewiseFunction:
     from vtkmodules.vtkCommonDataModel import vtkPiecewiseFunction
 
     function = vtkPiecewiseFunction()

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +14,11 @@ from meshdepict.shapes.foreign import as_polydata, as_trimesh
 from meshdepict.surface.polygons import Polygons, strip_triangles
 from meshdepict.voxels.grid import Grid
 from meshdepict.voxels.length_unit import length_unit
+
+if TYPE_CHECKING:
+    from vtkmodules.vtkCommonDataModel import vtkCellArray
+
+    from meshdepict.shapes.data_set import Faces, ImageData, PolyData
 
 __all__ = [
     "image_contents",
@@ -36,7 +41,7 @@ _COLORS = {
 }
 
 
-def polydata_contents(poly: Any) -> Contents:
+def polydata_contents(given: object) -> Contents:
     """Return what `Mesh` needs of a ``pyvista.PolyData``, or of the surface of another data set.
 
     Raises
@@ -44,7 +49,7 @@ def polydata_contents(poly: Any) -> Contents:
     MeshdepictError
         For what has no surface.
     """
-    poly = as_polydata(poly)
+    poly = as_polydata(given)
     vertices, polygons, cell = polydata_geometry(poly)
     attributes = {
         "vertex": _colors_apart(_fitting(poly.point_data, len(vertices))),
@@ -56,7 +61,7 @@ def polydata_contents(poly: Any) -> Contents:
     return Contents(vertices, polygons, attributes, Document(provenance=lines))
 
 
-def polydata_geometry(poly: Any) -> tuple[NDArray[Any], Polygons, NDArray[np.int64]]:
+def polydata_geometry(poly: Faces) -> tuple[NDArray[Any], Polygons, NDArray[np.int64]]:
     """Return points, polygons (strips as triangles) and the cells that these come from.
 
     Parameters
@@ -95,7 +100,7 @@ def to_polydata(
     attributes: Mapping[str, NDArray[Any]],
     face_attributes: Mapping[str, NDArray[Any]],
     lines: Iterable[str] = (),
-) -> Any:
+) -> PolyData:
     """Return a ``pyvista.PolyData`` with a mesh's polygons, all of it copied.
 
     Parameters
@@ -111,7 +116,7 @@ def to_polydata(
     """
     import pyvista as pv
 
-    poly = pv.PolyData()
+    poly: PolyData = pv.PolyData()
     poly.points = vertices.copy()
     if isinstance(faces, Polygons):
         cells = pv.CellArray.from_arrays(faces.offsets, faces.connectivity, deep=True)
@@ -129,7 +134,7 @@ def to_polydata(
     return poly
 
 
-def trimesh_contents(tm: Any) -> Contents:
+def trimesh_contents(given: object) -> Contents:
     """Return what `Mesh` needs of a ``trimesh.Trimesh``, or of a ``Scene``.
 
     Raises
@@ -137,7 +142,7 @@ def trimesh_contents(tm: Any) -> Contents:
     MeshdepictError
         For what has no faces.
     """
-    tm = as_trimesh(tm)
+    tm = as_trimesh(given)
     attributes = {
         "vertex": _fitting(tm.vertex_attributes, len(tm.vertices)),
         "face": _fitting(tm.face_attributes, len(tm.faces)),
@@ -150,7 +155,7 @@ def trimesh_contents(tm: Any) -> Contents:
     return Contents(np.asarray(tm.vertices), np.asarray(tm.faces), attributes, Document())
 
 
-def _cells(cells: Any) -> Polygons:
+def _cells(cells: vtkCellArray) -> Polygons:
     from vtkmodules.util.numpy_support import vtk_to_numpy
 
     if not cells.GetNumberOfCells():
@@ -191,14 +196,14 @@ def _colors_together(attributes: Mapping[str, NDArray[Any]]) -> Arrays:
 # --- volumes ------------------------------------------------------------------------------------
 
 
-def image_of(values: NDArray[Any], grid: Grid, lines: Iterable[str] = ()) -> Any:
+def image_of(values: NDArray[Any], grid: Grid, lines: Iterable[str] = ()) -> ImageData:
     """Return ``pyvista.ImageData`` with scalars "values" or colours "RGBA" on a grid.
 
     Lines of provenance are kept in the field data, as by `to_polydata`.
     """
     import pyvista as pv
 
-    image = pv.ImageData(
+    image: ImageData = pv.ImageData(
         dimensions=grid.counts[::-1],
         spacing=grid.spacing,
         origin=grid.origin,
@@ -216,7 +221,7 @@ def image_of(values: NDArray[Any], grid: Grid, lines: Iterable[str] = ()) -> Any
     return image
 
 
-def image_contents(image: Any) -> tuple[NDArray[Any], dict[str, Any], str | None]:
+def image_contents(image: object) -> tuple[NDArray[Any], dict[str, Any], str | None]:
     """Return values, place (the keywords of `Volume`) and unit of image data.
 
     Raises
@@ -251,7 +256,7 @@ def image_contents(image: Any) -> tuple[NDArray[Any], dict[str, Any], str | None
     return np.asarray(values).reshape(shape[::-1]), place, unit
 
 
-def _no_image(data: Any) -> str:
+def _no_image(data: object) -> str:
     """Return what other data than an image are, and which call makes a volume of them."""
     import pyvista as pv
 
@@ -269,12 +274,12 @@ def _no_image(data: Any) -> str:
     return said
 
 
-def _scalars(image: Any) -> tuple[NDArray[Any], bool]:
+def _scalars(image: ImageData) -> tuple[NDArray[Any], bool]:
     for data, at_cells in ((image.point_data, False), (image.cell_data, True)):
         if data.active_scalars_name:
             return data[data.active_scalars_name], at_cells
         if len(data) == 1:
-            return data[data.keys()[0]], at_cells
+            return data[next(iter(data))], at_cells
         if len(data) > 1:
             raise MeshdepictError(
                 f"has several arrays ({', '.join(data.keys())}) and none is marked as the scalars"

@@ -3,9 +3,14 @@
 from __future__ import annotations
 
 import warnings
-from typing import Any
+from typing import TYPE_CHECKING, Any, TypeGuard
 
 from meshdepict.errors import MeshdepictError, MeshdepictWarning
+
+if TYPE_CHECKING:
+    from vtkmodules.vtkCommonDataModel import vtkDataObject
+
+    from meshdepict.shapes.data_set import PolyData
 
 __all__ = ["as_polydata", "as_trimesh", "is_of_pyvista", "is_of_trimesh"]
 
@@ -14,19 +19,23 @@ _GRIDS = ("vtkImageData", "vtkRectilinearGrid")
 _TREES = ("vtkMultiBlockDataSet", "vtkPartitionedDataSet", "vtkPartitionedDataSetCollection")
 
 
-def is_of_pyvista(shape: Any) -> bool:
+def is_of_pyvista(shape: object) -> TypeGuard[vtkDataObject]:
     """Whether something is a data set of VTK, PyVista's or its own."""
     return hasattr(shape, "GetDataObjectType") and hasattr(shape, "IsA")
 
 
-def is_of_trimesh(shape: Any) -> bool:
+def is_of_trimesh(shape: object) -> bool:
     """Whether something is a mesh, a scene, a cloud or a path of trimesh."""
     return type(shape).__module__.partition(".")[0] == "trimesh" or all(
         hasattr(shape, name) for name in ("faces", "visual")
     )
 
 
-def as_polydata(data: Any) -> Any:
+def _is_polydata(data: object) -> TypeGuard[PolyData]:
+    return all(hasattr(data, name) for name in ("GetPolys", "point_data", "n_cells"))
+
+
+def as_polydata(data: object) -> PolyData:
     """Return a ``pyvista.PolyData`` as it is, or the surface of another data set with a note.
 
     Raises
@@ -34,7 +43,7 @@ def as_polydata(data: Any) -> Any:
     MeshdepictError
         For what has no surface, or more than one: a sentence with the call that makes a mesh of it.
     """
-    if all(hasattr(data, name) for name in ("GetPolys", "point_data", "n_cells")):
+    if _is_polydata(data):
         return data
     name = type(data).__name__
     if not is_of_pyvista(data):

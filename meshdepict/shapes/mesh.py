@@ -25,6 +25,7 @@ from meshdepict.surface.polygons import as_polygons, triangulate
 from meshdepict.surface.welding import normal_groups, same_position
 
 if TYPE_CHECKING:
+    from meshdepict.shapes.document import Contents
     from meshdepict.surface.orientation import Orientation
     from meshdepict.surface.sides import Sides
 
@@ -108,7 +109,7 @@ class Mesh:
             array.setflags(write=False)
 
     @classmethod
-    def from_pyvista(cls, poly: Any, *, winding: str = "auto") -> Mesh:
+    def from_pyvista(cls, poly: object, *, winding: str = "auto") -> Mesh:
         """Take the polygons and strips of a ``pyvista.PolyData`` with its point and cell arrays.
 
         Strips become triangles; lines and single vertices are left out. The 8-bit colours "RGB"
@@ -125,7 +126,7 @@ class Mesh:
         return cls._of(polydata_contents(poly), winding)
 
     @classmethod
-    def from_trimesh(cls, tm: Any, *, winding: str = "auto") -> Mesh:
+    def from_trimesh(cls, tm: object, *, winding: str = "auto") -> Mesh:
         """Take the faces of a ``trimesh.Trimesh`` with its colours and attributes.
 
         Colours become the vertex or face attributes red, green, blue and, where any is
@@ -141,7 +142,7 @@ class Mesh:
         return cls._of(trimesh_contents(tm), winding)
 
     @classmethod
-    def _of(cls, contents: Any, winding: str) -> Mesh:
+    def _of(cls, contents: Contents, winding: str) -> Mesh:
         vertices, faces, attributes, document, length_unit = contents
         return cls(
             vertices,

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from meshdepict.errors import MeshdepictError
 from meshdepict.shapes.mesh import Mesh
+
+if TYPE_CHECKING:
+    from meshdepict.shapes.data_set import ImageData
 
 __all__ = ["SCALARS", "Sheet", "height_sheet", "scalar_array"]
 
@@ -22,7 +25,7 @@ class Sheet(NamedTuple):
     there: NDArray[np.bool_]
 
 
-def scalar_array(image: Any, name: str | None = None) -> tuple[str, str]:
+def scalar_array(image: ImageData, name: str | None = None) -> tuple[str, str]:
     """Return where the scalars of a ``pyvista.ImageData`` are: "point" or "cell", and the name.
 
     Parameters
@@ -53,7 +56,7 @@ def scalar_array(image: Any, name: str | None = None) -> tuple[str, str]:
     )
 
 
-def height_sheet(image: Any, where: str, name: str) -> Sheet:
+def height_sheet(image: ImageData, where: str, name: str) -> Sheet:
     """Return the sheet of a ``pyvista.ImageData`` with one layer of points.
 
     Parameters

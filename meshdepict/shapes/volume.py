@@ -91,7 +91,7 @@ class Volume(Grid):
         self._check_contents()
 
     @classmethod
-    def from_pyvista(cls, image: Any, *, hounsfield: bool | None = None) -> Volume:
+    def from_pyvista(cls, image: object, *, hounsfield: bool | None = None) -> Volume:
         """Take the active or only scalars of a ``pyvista.ImageData``.
 
         Values of cells stand at the cells' centres. ``hounsfield=None`` believes the field "unit"
@@ -231,7 +231,6 @@ class Volume(Grid):
     @cached_property
     def identity(self) -> str:
         """Size, and the fingerprint of the values and their place in the world."""
-        nz, ny, nx = self.values.shape
         slabs = (slab for _, slab in self.slabs())
         digest = fingerprint(self.spacing, self.origin, self.direction, *slabs)
-        return f"{nx} x {ny} x {nz} voxels sha256 {digest}"
+        return f"{super().identity} sha256 {digest}"

@@ -149,7 +149,18 @@ def test_vtk_is_imported_where_it_is_used(name):
     known = modules()
     for target, lazy in imports(known[name], known):
         if target.split(".")[0] in {"pyvista", "vtk", "vtkmodules"}:
-            assert lazy, "import it in a function"
+            assert lazy, "import it in a function, or for the type checker alone"
+
+
+@pytest.mark.parametrize(
+    ("code", "waits"),
+    [("import pyvista", False), ("class A:\n    import pyvista", False),
+     ("if True:\n    import pyvista", False), ("def f():\n    import pyvista", True),
+     ("if TYPE_CHECKING:\n    import pyvista", True),
+     ("if TYPE_CHECKING:\n    pass\nelse:\n    import pyvista", False)]
+)  # fmt: skip
+def test_what_waits_is_told_from_what_is_imported_at_once(code, waits):
+    assert list(imported(ast.parse(code), modules())) == [("pyvista", waits)]
 
 
 def test_importing_the_package_loads_nothing_heavy():

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -12,6 +12,7 @@ from meshdepict.drawing.shader import SURROUNDINGS, assemble, set_uniforms
 from meshdepict.errors import MeshdepictError
 from meshdepict.scales.space import ScaleSpace
 from meshdepict.scene.view import View
+from meshdepict.shapes.mesh import Mesh
 from meshdepict.viewer.live import encoding, octahedral
 from meshdepict.viewer.live.locality import along_curve
 from meshdepict.viewer.live.look import (
@@ -22,6 +23,12 @@ from meshdepict.viewer.live.look import (
     look_uniforms,
     switches,
 )
+
+if TYPE_CHECKING:
+    from vtkmodules.vtkRenderingCore import vtkActor, vtkPolyDataMapper
+
+    from meshdepict.drawing.plotter import Plotter
+    from meshdepict.shapes.data_set import PolyData
 
 __all__ = ["LiveShading", "live_methods"]
 
@@ -71,20 +78,22 @@ class LiveShading(LiveLook):
         For what can't be live, and wrong options; nothing changes then.
     """
 
-    def _made(self, space: Any) -> Any:
-        shape = getattr(space, "shape", None)
-        if not len(getattr(shape, "faces", ())) or len(space.points) != len(space.shape.vertices):
+    actor: vtkActor
+
+    def _made(self, space: ScaleSpace) -> vtkActor:
+        shape = space.shape if isinstance(space, ScaleSpace) else None
+        if not isinstance(shape, Mesh) or len(space.points) != len(shape.vertices):
             raise MeshdepictError(
                 "live shading needs the scale space of a mesh's vertices; bake other shapes instead"
             )
-        actor, self._poly = _actor(space)
+        actor, self._mapper, self._poly = _actor(shape)
         return actor
 
     def set_colormap(self, colormap: str | None) -> None:
         """Colour by another 1D map; None is grey."""
         self._show(colormap=colormap)
 
-    def _enter(self, window: Any) -> None:
+    def _enter(self, window: Plotter) -> None:
         window.add_actor(self.actor)
 
     def _show(self, **changes: Any) -> None:
@@ -129,22 +138,20 @@ class LiveShading(LiveLook):
                 f"{self.method} can be live with at most {most - 1} scales, not {sets - 1}; bake "
                 "it instead"
             )
-        mapper = self.actor.GetMapper()
         for name, values in attributes.items():
             self._poly.point_data[name] = values
-            mapper.MapDataArrayToVertexAttribute(name, name, 0, -1)
+            self._mapper.MapDataArrayToVertexAttribute(name, name, 0, -1)
         self._poly.point_data.active_scalars_name = None
         self._poly.Modified()
         return sets
 
 
-def _actor(space: ScaleSpace) -> tuple[Any, Any]:
+def _actor(shape: Mesh) -> tuple[vtkActor, vtkPolyDataMapper, PolyData]:
     """Return an actor of the recentred mesh, without lighting, and its data."""
     import pyvista as pv
     import vtkmodules.vtkRenderingOpenGL2  # noqa: F401 (what draws)
     from vtkmodules.vtkRenderingCore import vtkActor, vtkPolyDataMapper
 
-    shape = space.shape
     poly = pv.PolyData()
     poly.points = shape.recentred(shape.vertices).astype(np.float32)
     if shape.polygons is None:
@@ -160,4 +167,4 @@ def _actor(space: ScaleSpace) -> tuple[Any, Any]:
     actor = vtkActor()
     actor.SetMapper(mapper)
     actor.GetProperty().LightingOff()
-    return actor, poly
+    return actor, mapper, poly

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -12,7 +12,7 @@ from meshdepict.errors import MeshdepictError
 from meshdepict.options import check, nearest, options_of
 from meshdepict.scales.space import ScaleSpace
 from meshdepict.scene.light import Light
-from meshdepict.scene.names import as_light, as_lights, as_view
+from meshdepict.scene.names import LightsLike, as_light, as_lights, as_view
 from meshdepict.scene.view import View
 from meshdepict.shading.method import declaration
 from meshdepict.shading.registry import find_method
@@ -21,6 +21,11 @@ from meshdepict.viewer.live.exaggerated import EXAGGERATED
 from meshdepict.viewer.live.lambert import HALF_LAMBERT, LAMBERT
 from meshdepict.viewer.live.light_alignment import LIGHT_ALIGNMENT
 from meshdepict.viewer.live.live_method import LiveMethod
+
+if TYPE_CHECKING:
+    from vtkmodules.vtkRenderingCore import vtkActor, vtkVolume
+
+    from meshdepict.drawing.plotter import Plotter
 
 __all__ = [
     "LiveLook", "changed_options", "live_lights", "live_method", "live_methods", "look_uniforms",
@@ -53,13 +58,13 @@ class LiveLook:
         method: str | Callable[..., Any],
         *,
         options: Mapping[str, Any] | None = None,
-        light: Any = "northwest",
+        light: LightsLike = "northwest",
         view: View | str,
         colormap: str | None = None,
     ) -> None:
         self._method, self._space = live_method(method), space
         self._colormap = colormap
-        self.actor: Any = self._made(space)
+        self.actor = self._made(space)
         self._options: dict[str, Any] = {
             name: option.default for name, option in options_of(self._method.function).items()
         }
@@ -70,7 +75,7 @@ class LiveLook:
         self._sets = 0
         self._show(options=dict(options or {}))
 
-    def _made(self, space: Any) -> Any:
+    def _made(self, space: ScaleSpace) -> vtkActor | vtkVolume:
         """Return an actor of a scale space's shape; refuse other shapes."""
         raise NotImplementedError
 
@@ -84,7 +89,7 @@ class LiveLook:
         """All options and their values."""
         return dict(self._options)
 
-    def set_light(self, light: Any) -> None:
+    def set_light(self, light: LightsLike) -> None:
         """Light it differently: uniforms only."""
         self._show(light=light)
 
@@ -96,7 +101,7 @@ class LiveLook:
         """Move the eye that highlights, curvature and named lights refer to."""
         self._show(view=as_view(view, self._space.shape))
 
-    def check(self, plotter: Any = None) -> None:
+    def check(self, plotter: Plotter | None = None) -> None:
         """Render a frame and raise if the card doesn't do what it should.
 
         Parameters
@@ -122,7 +127,7 @@ class LiveLook:
             finally:
                 window.close()
 
-    def _enter(self, window: Any) -> None:
+    def _enter(self, window: Plotter) -> None:
         """Add the actor to a plotter."""
         raise NotImplementedError
 
@@ -136,7 +141,7 @@ def live_methods() -> tuple[str, ...]:
     return tuple(_METHODS)
 
 
-def live_method(method: Any) -> LiveMethod:
+def live_method(method: object) -> LiveMethod:
     """Return a method that can be live, by name or function; raise `MeshdepictError` for others."""
     name = getattr(method, "__name__", method)
     if (
@@ -172,7 +177,7 @@ def changed_options(
 
 
 def live_lights(
-    method: LiveMethod, light: Any, view: View, options: Mapping[str, Any]
+    method: LiveMethod, light: LightsLike, view: View, options: Mapping[str, Any]
 ) -> list[Light]:
     """Return the lights; their colours count where the method looks at them.
 

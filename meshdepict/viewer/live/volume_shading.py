@@ -10,14 +10,14 @@ are shaded, and their colours are interpolated, as the card does with baked ones
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from meshdepict.color.srgb import quantise
 from meshdepict.drawing.shader import SURROUNDINGS, set_uniforms
-from meshdepict.drawing.volume_rays import march, volume_actor
+from meshdepict.drawing.volume_rays import march, ray_caster, volume_actor
 from meshdepict.drawing.volume_scene import (
     levels_of,
     sample_box,
@@ -26,6 +26,7 @@ from meshdepict.drawing.volume_scene import (
 )
 from meshdepict.errors import MeshdepictError
 from meshdepict.scales.grid_scales import GridSpace
+from meshdepict.scales.space import ScaleSpace
 from meshdepict.scene.view import View
 from meshdepict.viewer.live import encoding, octahedral
 from meshdepict.viewer.live.look import (
@@ -35,6 +36,11 @@ from meshdepict.viewer.live.look import (
     look_uniforms,
     switches,
 )
+
+if TYPE_CHECKING:
+    from vtkmodules.vtkRenderingCore import vtkVolume
+
+    from meshdepict.drawing.plotter import Plotter
 
 __all__ = ["LiveVolume"]
 
@@ -104,18 +110,19 @@ class LiveVolume(LiveLook):
     """
 
     _space: GridSpace
+    actor: vtkVolume
 
-    def _made(self, space: Any) -> Any:
-        _check_space(space)
+    def _made(self, space: ScaleSpace) -> vtkVolume:
+        grid = _checked(space)
         if self._colormap is not None:
             raise MeshdepictError(
                 "colormap is about meshes: a volume has the colours of its transfer function"
             )
         self._attributes: Mapping[str, NDArray[np.float32]] = {}
-        self._values, corner = _numbered(space)
-        return volume_actor(self._values, space.shape, corner)
+        self._values, corner = _numbered(grid)
+        return volume_actor(self._values, grid.shape, corner)
 
-    def _enter(self, window: Any) -> None:
+    def _enter(self, window: Plotter) -> None:
         window.renderer.AddVolume(self.actor)
 
     def _show(self, **changes: Any) -> None:
@@ -176,7 +183,7 @@ class LiveVolume(LiveLook):
         )
 
 
-def _check_space(space: Any) -> None:
+def _checked(space: object) -> GridSpace:
     if not isinstance(space, GridSpace):
         raise MeshdepictError(
             "live shading of volumes needs the scale space of a volume's voxels; bake other shapes "
@@ -192,6 +199,7 @@ def _check_space(space: Any) -> None:
             f"live shading takes {_MOST:,} voxels, and {len(space.points):,} are shown; bake the "
             "volume instead"
         )
+    return space
 
 
 def _numbered(space: GridSpace) -> tuple[NDArray[np.float32], tuple[int, int, int]]:
@@ -211,9 +219,9 @@ def _numbered(space: GridSpace) -> tuple[NDArray[np.float32], tuple[int, int, in
     return values, (low[2], low[1], low[0])
 
 
-def _grid_matrix(actor: Any) -> NDArray[np.float64]:
+def _grid_matrix(actor: vtkVolume) -> NDArray[np.float64]:
     """Return the matrix (1, 4, 4) from voxels to the scene, by columns as GLSL has them."""
-    image = actor.GetMapper().GetInput()
+    image = ray_caster(actor).GetInput()
     matrix = image.GetIndexToPhysicalMatrix()
     found = [[matrix.GetElement(row, column) for row in range(4)] for column in range(4)]
     return np.array([found])

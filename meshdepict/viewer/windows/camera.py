@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
+from meshdepict.scene.shape import Shape
+from meshdepict.scene.vectors import Vector
 from meshdepict.scene.view import View
+
+if TYPE_CHECKING:
+    from meshdepict.drawing.plotter import Camera
 
 __all__ = ["camera_view", "project_in_parallel", "project_in_perspective", "same_sight"]
 
 
-def camera_view(camera: Any, shape: Any, *, height_px: int = 1000) -> View:
+def camera_view(camera: Camera, shape: Shape, *, height_px: int = 1000) -> View:
     """Return the view whose eye a ``pyvista.Camera`` is.
 
     Parameters
@@ -34,7 +39,7 @@ def camera_view(camera: Any, shape: Any, *, height_px: int = 1000) -> View:
     )
 
 
-def project_in_perspective(camera: Any, angle: float = 30.0) -> None:
+def project_in_perspective(camera: Camera, angle: float = 30.0) -> None:
     """Go over to perspective; what lies at the focus keeps its size."""
     away = _away(camera)
     reach = camera.parallel_scale / np.tan(np.radians(angle / 2))
@@ -43,14 +48,14 @@ def project_in_perspective(camera: Any, angle: float = 30.0) -> None:
     camera.parallel_projection = False
 
 
-def project_in_parallel(camera: Any) -> None:
+def project_in_parallel(camera: Camera) -> None:
     """Go over to parallel projection; what lies at the focus keeps its size."""
     reach = float(np.linalg.norm(_away(camera)))
     camera.parallel_scale = reach * float(np.tan(np.radians(camera.view_angle / 2)))
     camera.parallel_projection = True
 
 
-def same_sight(a: View, b: View, shape: Any) -> bool:
+def same_sight(a: View, b: View, shape: Shape) -> bool:
     """Whether two views show a shape alike, up to rounding."""
     near = 1e-9 * (shape.diagonal or 1.0) + 1e-12 * float(np.abs(shape.centre).max())
     return bool(
@@ -62,5 +67,5 @@ def same_sight(a: View, b: View, shape: Any) -> bool:
     )
 
 
-def _away(camera: Any) -> Any:
+def _away(camera: Camera) -> Vector:
     return np.array(camera.position) - np.array(camera.focal_point)

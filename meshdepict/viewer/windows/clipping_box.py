@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from meshdepict.errors import MeshdepictError
+from meshdepict.scene.shape import Shape
 
 __all__ = ["ClippingBox"]
 
@@ -28,7 +29,7 @@ class ClippingBox:
         Its sides, as shares of the shape's extent along the world's axes.
     """
 
-    def __init__(self, shape: Any) -> None:
+    def __init__(self, shape: Shape) -> None:
         self.low, self.high = np.zeros(3), np.ones(3)
         corners = shape.recentred(shape.outline)
         self._corner = corners.min(axis=0)

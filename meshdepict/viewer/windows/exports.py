@@ -8,12 +8,17 @@ from __future__ import annotations
 from collections.abc import Sequence
 from itertools import count
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
+from meshdepict.baking.baked import Baked
 from meshdepict.baking.recipe import save_recipe
+from meshdepict.baking.volumes import BakedVolume
 from meshdepict.drawing.picture import save_picture
 from meshdepict.drawing.volume_picture import save_volume_picture
 from meshdepict.viewer.session import Session
+
+if TYPE_CHECKING:
+    from vtkmodules.vtkCommonDataModel import vtkPlane
 
 __all__ = ["free_path", "save_look", "save_mesh", "save_snapshot", "save_voxels"]
 
@@ -32,7 +37,7 @@ def save_snapshot(
     name: str,
     size: tuple[int, int],
     *,
-    planes: Sequence[Any] = (),
+    planes: Sequence[vtkPlane] = (),
     folder: str | Path = ".",
 ) -> Path:
     """Save the picture as ``<name>-<method>.png`` of a size in pixels; return its path.
@@ -40,8 +45,8 @@ def save_snapshot(
     Of a volume planes (vtkPlane) cut off what is on their negative sides.
     """
     path = free_path(f"{name}-{session.method}", ".png", folder)
-    baked: Any = session.baked()
-    if session.shape.kind == "volume":
+    baked: Baked | BakedVolume = session.baked()
+    if isinstance(baked, BakedVolume):
         return save_volume_picture(baked, path, size=size, planes=planes)
     return save_picture(baked, path, size=size)
 

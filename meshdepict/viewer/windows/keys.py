@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from typing import NamedTuple
+from collections.abc import Iterable, Sequence
+from typing import NamedTuple, Protocol
 
-__all__ = ["KEYS", "POINTER", "WELCOME", "Key", "action_of", "help_text", "hint", "window_keys"]
+__all__ = [
+    "KEYS", "POINTER", "WELCOME", "Key", "Pressed", "action_of",
+    "help_text", "hint", "window_keys",
+]  # fmt: skip
 
 WELCOME = "h shows the keys, q closes the window"
 """What people have to know at first."""
@@ -21,6 +24,17 @@ class Key(NamedTuple):
     symbols: tuple[str, ...]
     shown: str
     words: str
+
+
+class Pressed(Protocol):
+    """What does what keys say; see `Actions`."""
+
+    @property
+    def keys(self) -> Sequence[Key]:
+        """What the help lists."""
+
+    def press(self, symbol: str) -> None:
+        """Do what a key (as VTK names it) does."""
 
 
 def window_keys(colors: str, saved: str, *own: Key) -> tuple[Key, ...]:

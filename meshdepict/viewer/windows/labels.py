@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from vtkmodules.vtkRenderingCore import vtkRenderer, vtkTextActor
 
 __all__ = ["INK", "label"]
 
@@ -10,7 +13,7 @@ INK = (0.13, 0.13, 0.13)
 
 
 def label(
-    renderer: Any,
+    renderer: vtkRenderer,
     text: str,
     at: tuple[float, float],
     *,
@@ -18,7 +21,7 @@ def label(
     bold: bool = False,
     color: tuple[float, float, float] = INK,
     align: str = "left",
-) -> Any:
+) -> vtkTextActor:
     """Add a ``vtkTextActor`` to a renderer.
 
     Parameters

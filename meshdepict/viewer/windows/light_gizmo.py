@@ -2,12 +2,18 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
+from meshdepict.scene.names import Lighting
+from meshdepict.scene.vectors import Vector
 from meshdepict.scene.view import View
 from meshdepict.viewer.light_drag import lights_of
+
+if TYPE_CHECKING:
+    from vtkmodules.vtkCommonDataModel import vtkPolyData
+    from vtkmodules.vtkRenderingCore import vtkActor
 
 __all__ = ["LightGizmo"]
 
@@ -48,12 +54,12 @@ class LightGizmo:
         )  # fmt: skip
         sun = pv.Sphere(radius=0.24, center=(1.72, 0, 0))
         self._arrow = arrow + sun
-        self._arrows: list[Any] = []
+        self._arrows: list[vtkActor] = []
         camera = self.renderer.GetActiveCamera()
         camera.ParallelProjectionOn()
         camera.SetParallelScale(_REACH)
 
-    def update(self, lighting: Any, view: View) -> None:
+    def update(self, lighting: Lighting, view: View) -> None:
         """Show these lights as a view sees them."""
         from vtkmodules.vtkRenderingCore import vtkLight
 
@@ -76,7 +82,9 @@ class LightGizmo:
         for i, arrow in enumerate(self._arrows):
             arrow.SetVisibility(i < len(lights))
 
-    def _add(self, poly: Any, color: tuple[float, float, float], *, glowing: bool = False) -> Any:
+    def _add(
+        self, poly: vtkPolyData, color: tuple[float, float, float], *, glowing: bool = False
+    ) -> vtkActor:
         from vtkmodules.vtkRenderingCore import vtkActor, vtkPolyDataMapper
 
         mapper = vtkPolyDataMapper()
@@ -90,7 +98,7 @@ class LightGizmo:
         return actor
 
 
-def _point(actor: Any, towards: Any) -> None:
+def _point(actor: vtkActor, towards: Vector) -> None:
     """Turn an actor so that its x axis goes towards a direction."""
     from vtkmodules.vtkCommonMath import vtkMatrix4x4
 

@@ -8,7 +8,8 @@ object before, for comparison.
 from __future__ import annotations
 
 import time
-from typing import Any
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,10 +22,20 @@ from meshdepict.viewer.session import Session
 from meshdepict.viewer.windows.lit_shape import LitShape
 from meshdepict.viewer.windows.preview import Proxy
 
+if TYPE_CHECKING:
+    from vtkmodules.vtkCommonDataModel import vtkPlane
+    from vtkmodules.vtkRenderingCore import vtkActor
+
+    from meshdepict.drawing.plotter import Plotter
+    from meshdepict.scales.space import ScaleSpace
+    from meshdepict.viewer.live.live_shading import LiveShading
+
 __all__ = ["LitObject", "PaintedMesh", "colors_before"]
 
+Chosen = slice | NDArray[np.intp]  # vertices: all, or those of the stand-in
 
-def colors_before(session: Session, space: Any = None) -> NDArray[np.uint8]:
+
+def colors_before(session: Session, space: ScaleSpace | None = None) -> NDArray[np.uint8]:
     """Return the shape's own colours, or Lambert's under the (first) light: (n, 3)."""
     try:
         return own_colors(session.shape)
@@ -54,7 +65,9 @@ class PaintedMesh:
         from vtkmodules.vtkRenderingCore import vtkActor, vtkPolyDataMapper
 
         small = np.int32 if len(points) < 2**31 else np.int64
-        self._poly = pv.PolyData.from_regular_faces(points.astype(np.float32), faces.astype(small))
+        single: NDArray[Any] = points.astype(np.float32)
+        corners: NDArray[Any] = faces.astype(small)
+        self._poly = pv.PolyData.from_regular_faces(single, corners)
         mapper = vtkPolyDataMapper()
         mapper.SetInputData(self._poly)
         mapper.SetScalarModeToUsePointData()
@@ -74,12 +87,12 @@ class LitObject(LitShape):
     """A mesh that a session shows, in a plotter; parameters as of `LitShape`."""
 
     def __init__(
-        self, plotter: Any, session: Session, *, live: bool, planes: dict[str, Any]
+        self, plotter: Plotter, session: Session, *, live: bool, planes: dict[str, vtkPlane]
     ) -> None:
         super().__init__(plotter, session, live=live, planes=planes)
         self._renderer = plotter.renderer
-        self._live: Any = None
-        self._tried: Any = None  # what `_live` was made, or refused, for
+        self._live: LiveShading | None = None
+        self._tried: Callable[..., Any] | None = None  # what `_live` was made, or refused, for
         self._proxy: Proxy | None = None
         self._meshes: dict[tuple[str, str], PaintedMesh] = {}
         self._stale: set[tuple[str, str]] = set()
@@ -132,20 +145,20 @@ class LitObject(LitShape):
         if self._live is not None:
             self._clip(self._live.actor, "now")
 
-    def _clip(self, actor: Any, when: str) -> None:
+    def _clip(self, actor: vtkActor, when: str) -> None:
         mapper = actor.GetMapper()
         mapper.RemoveAllClippingPlanes()
         if self.comparing:
             mapper.AddClippingPlane(self._planes[when])
 
-    def _actors(self) -> list[Any]:
+    def _actors(self) -> list[vtkActor]:
         actors = [mesh.actor for mesh in self._meshes.values()]
         return actors if self._live is None else [*actors, self._live.actor]
 
     def _painted(self, size: str, when: str, *, fresh: bool) -> PaintedMesh:
         session, key = self._session, (size, when)
         new = key not in self._meshes
-        chosen: Any = slice(None)
+        chosen: Chosen = slice(None)
         if size == "coarse":
             self.prepare()
             assert self._proxy is not None
@@ -161,7 +174,7 @@ class LitObject(LitShape):
             self._stale.discard(key)
         return self._meshes[key]
 
-    def _colors(self, size: str, when: str, chosen: Any) -> NDArray[np.uint8]:
+    def _colors(self, size: str, when: str, chosen: Chosen) -> NDArray[np.uint8]:
         session = self._session
         if size == "whole":
             return session.colors if when == "now" else colors_before(session)
@@ -175,7 +188,7 @@ class LitObject(LitShape):
         except MeshdepictError:  # a method that needs every neighbour
             return session.colors[chosen]
 
-    def _shade_live(self, *, fresh: bool) -> Any:
+    def _shade_live(self, *, fresh: bool) -> LiveShading | None:
         """Return the `LiveShading` of what the session shows, None where that can't be."""
         if not self._may_live or self._session.two_sided:  # the shader knows one side
             return None
@@ -184,9 +197,8 @@ class LitObject(LitShape):
         from meshdepict.viewer.live.live_shading import LiveShading
 
         session, options = self._session, self._options()
-        anew = self._live is None or self._tried is not session.function
         try:
-            if anew:
+            if self._live is None or self._tried is not session.function:
                 self._drop_live()
                 self._tried = session.function
                 self._live = LiveShading(

@@ -2,13 +2,19 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from meshdepict.options import options_of
 from meshdepict.shading.registry import find_method
+
+if TYPE_CHECKING:
+    from vtkmodules.vtkCommonDataModel import vtkPlane
+
+    from meshdepict.drawing.plotter import Plotter
+    from meshdepict.viewer.session import Session
 
 __all__ = ["NO_CARD", "LitShape"]
 
@@ -35,7 +41,9 @@ class LitShape:
         Whether the shape before is shown, too, each on the positive side of its plane.
     """
 
-    def __init__(self, plotter: Any, session: Any, *, live: bool, planes: dict[str, Any]) -> None:
+    def __init__(
+        self, plotter: Plotter, session: Session, *, live: bool, planes: dict[str, vtkPlane]
+    ) -> None:
         self._plotter, self._session, self._may_live = plotter, session, live
         self._planes = planes
         self.why_baked = "" if live else NO_CARD

@@ -4,18 +4,27 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from meshdepict.drawing.shader import caught_errors
+from meshdepict.drawing.volume_rays import ray_caster
 from meshdepict.drawing.volume_scene import add_baked, add_plain, add_rgba, repaint
 from meshdepict.errors import MeshdepictError
 from meshdepict.viewer.live.volume_shading import LiveVolume
 from meshdepict.viewer.windows.lit_shape import LitShape
 from meshdepict.viewer.windows.volume_pick import first_seen
 from meshdepict.viewer.windows.volume_session import VolumeSession
+
+if TYPE_CHECKING:
+    from vtkmodules.vtkCommonDataModel import vtkPlane
+    from vtkmodules.vtkRenderingCore import vtkVolume
+
+    from meshdepict.baking.volumes import BakedVolume
+    from meshdepict.color.transfer_function import TransferFunction
+    from meshdepict.drawing.plotter import Plotter
 
 __all__ = ["LitVolume"]
 
@@ -26,17 +35,19 @@ class LitVolume(LitShape):
     One ``vtkVolume`` at a time, and VTK's own shading beside it while the two are compared.
     """
 
+    _session: VolumeSession
+
     def __init__(
-        self, plotter: Any, session: VolumeSession, *, live: bool, planes: dict[str, Any]
+        self, plotter: Plotter, session: VolumeSession, *, live: bool, planes: dict[str, vtkPlane]
     ) -> None:
         super().__init__(plotter, session, live=live, planes=planes)
-        self._actor: Any = None
+        self._actor: vtkVolume | None = None
         self._live: LiveVolume | None = None
         self._shown_for: tuple[Any, ...] = ()  # what the actor was made for
-        self._painted: Any = None  # the bake that it has
-        self._before: Any = None  # VTK's own shading
-        self._before_for: Any = None  # the transfer function that it has
-        self._box: list[Any] = []  # planes
+        self._painted: BakedVolume | None = None  # the bake that it has
+        self._before: vtkVolume | None = None  # VTK's own shading
+        self._before_for: TransferFunction | None = None  # the transfer function that it has
+        self._box: list[vtkPlane] = []
         self._pixels = 1.0
         self._own_rays = True
         self._refused: tuple[Any, ...] = ()  # what the card could not shade, not to be tried again
@@ -79,9 +90,9 @@ class LitVolume(LitShape):
         """Send a ray through every so many pixels alone, along both sides."""
         self._pixels = pixels
         for actor in self._actors():
-            actor.GetMapper().SetImageSampleDistance(pixels)
+            ray_caster(actor).SetImageSampleDistance(pixels)
 
-    def clip(self, planes: list[Any]) -> None:
+    def clip(self, planes: list[vtkPlane]) -> None:
         """Show what is on the positive side of planes (vtkPlane)."""
         self._box = planes
         self._clip()
@@ -94,14 +105,14 @@ class LitVolume(LitShape):
                 for plane in (*self._box, *([self._planes[when]] if self.comparing else ())):
                     mapper.AddClippingPlane(plane)
 
-    def _actors(self) -> list[Any]:
+    def _actors(self) -> list[vtkVolume]:
         return [actor for actor in (self._actor, self._before) if actor is not None]
 
     def _drop_before(self) -> None:
         self._remove(self._before)
         self._before = self._before_for = None
 
-    def _remove(self, actor: Any) -> None:
+    def _remove(self, actor: vtkVolume | None) -> None:
         if actor is not None:
             self._plotter.renderer.RemoveVolume(actor)
             actor.ReleaseGraphicsResources(self._plotter.render_window)
@@ -121,7 +132,7 @@ class LitVolume(LitShape):
             took += time.perf_counter() - began
         return took
 
-    def _become(self, key: tuple[Any, ...], add: Callable[[], Any]) -> None:
+    def _become(self, key: tuple[Any, ...], add: Callable[[], vtkVolume]) -> None:
         """Put another actor in the place of the one there, unless it is the same."""
         if key == self._shown_for:
             return
@@ -133,7 +144,7 @@ class LitVolume(LitShape):
         self.coarsen(self._pixels)
         self._clip()
 
-    def _add_baked(self) -> Any:
+    def _add_baked(self) -> vtkVolume:
         baked = self._session.baked()
         self._painted = baked
         if self._own_rays:
@@ -147,8 +158,9 @@ class LitVolume(LitShape):
                 self._plotter.renderer.RemoveVolume(actor)
         return add_rgba(self._plotter, baked)
 
-    def _paint(self, baked: Any) -> None:
+    def _paint(self, baked: BakedVolume) -> None:
         if self._own_rays:
+            assert self._actor is not None
             repaint(self._actor, baked)
             self._painted = baked
         else:
@@ -181,6 +193,6 @@ class LitVolume(LitShape):
         self.why_baked, self._refused = "", ()
         return True
 
-    def _added(self, live: LiveVolume) -> Any:
+    def _added(self, live: LiveVolume) -> vtkVolume:
         self._plotter.renderer.AddVolume(live.actor)
         return live.actor

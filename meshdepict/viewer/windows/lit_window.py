@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import time
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
 from meshdepict.drawing.canvas import only_errors, place
 from meshdepict.drawing.figure import Figure
@@ -18,10 +18,14 @@ from meshdepict.errors import MeshdepictError
 from meshdepict.scene.view import View
 from meshdepict.viewer.session import Session
 from meshdepict.viewer.windows.camera import camera_view, same_sight
+from meshdepict.viewer.windows.keys import Pressed
 from meshdepict.viewer.windows.lit_shape import LitShape
 from meshdepict.viewer.windows.preview import Pace
 from meshdepict.viewer.windows.scenery import Scenery
 from meshdepict.viewer.windows.window_events import bind, run_loop
+
+if TYPE_CHECKING:
+    from vtkmodules.vtkCommonDataModel import vtkPlane
 
 __all__ = ["SIZE", "LitWindow"]
 
@@ -66,8 +70,8 @@ class LitWindow:
         What ended the window, to be raised when it is gone.
     """
 
-    object: Any
-    actions: Any
+    object: LitShape
+    actions: Pressed
 
     def __init__(
         self,
@@ -80,14 +84,14 @@ class LitWindow:
         off_screen: bool = False,
     ) -> None:
         session.baked()  # what can't be shaded is refused before a window opens
-        self.session: Any = session
+        self.session = session
         self.name, self.folder = name or session.shape.kind, folder
         self.said = ""
         self.fault: BaseException | None = None
         self.pace = Pace()
-        self._held: Any = None  # what a drag moves
+        self._held: tuple[str, tuple[int, int]] | None = None  # what a drag moves
         self._due: float | None = None
-        self._shown: Any = session.look_now()
+        self._shown = session.look_now()
         self._seen: View = session.view
         self._told = 0.0  # when progress was last shown
         self._drawn = self._took = 0.0  # when the last frame was complete, and how long it took
@@ -98,8 +102,8 @@ class LitWindow:
                 off_screen=off_screen,
             )  # fmt: skip
             real = self.scenery.has_graphics_card
-        self.plotter: Any = self.scenery.plotter
-        self.camera: Any = self.plotter.camera
+        self.plotter = self.scenery.plotter
+        self.camera = self.plotter.camera
         wipe = self.scenery.wipe
         self.object = self._made_object(
             live=real if live is None else live, planes={"now": wipe.now, "before": wipe.before}
@@ -111,10 +115,10 @@ class LitWindow:
 
     # --- what kinds of shapes have of their own ---------------------------------------------
 
-    def _made_actions(self) -> Any:
+    def _made_actions(self) -> Pressed:
         raise NotImplementedError
 
-    def _made_object(self, *, live: bool, planes: dict[str, Any]) -> LitShape:
+    def _made_object(self, *, live: bool, planes: dict[str, vtkPlane]) -> LitShape:
         raise NotImplementedError
 
     def _refine(self, *, moving: bool) -> None:
@@ -297,7 +301,7 @@ class LitWindow:
             self.wait(f"smoothing normals: {done / total:.0%}")
             self._told = time.perf_counter()
 
-    def _set(self, name: str, value: Any) -> None:
+    def _set(self, name: str, value: float | str) -> None:
         """Take an option from the panel."""
         self.session.set(**{name: value})
         self.moved(recolored=True)

@@ -4,12 +4,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from meshdepict.viewer.controls import Control, controls
 from meshdepict.viewer.session import Session
 from meshdepict.viewer.windows.cycle import other
 from meshdepict.viewer.windows.labels import INK, label
+
+if TYPE_CHECKING:
+    from vtkmodules.vtkInteractionWidgets import vtkSliderRepresentation2D, vtkSliderWidget
+    from vtkmodules.vtkRenderingCore import vtkRenderer, vtkRenderWindowInteractor, vtkTextActor
 
 __all__ = ["SLIDERS", "OptionPanel", "readable"]
 
@@ -32,6 +36,15 @@ def readable(control: Control, value: float) -> float:
     return min(max(round(value, digits), control.low), control.high)
 
 
+class Slider(NamedTuple):
+    """A control on the screen: VTK's slider, how it looks, and the number beside it."""
+
+    control: Control
+    widget: vtkSliderWidget
+    shape: vtkSliderRepresentation2D
+    number: vtkTextActor
+
+
 class OptionPanel:
     """Controls of the session's method.
 
@@ -49,9 +62,9 @@ class OptionPanel:
 
     def __init__(
         self,
-        renderer: Any,
-        sheet: Any,
-        interactor: Any,
+        renderer: vtkRenderer,
+        sheet: vtkRenderer,
+        interactor: vtkRenderWindowInteractor,
         session: Session,
         changed: Callable[[str, Any], None],
     ) -> None:
@@ -59,14 +72,15 @@ class OptionPanel:
         self._session, self._changed = session, changed
         self._page = 0
         self._method = ""
-        self._sliders: list[tuple[Control, Any, Any]] = []  # with its widget and value's label
-        self._lists: list[tuple[Control, Any]] = []
-        self._words: list[Any] = []
+        self._sliders: list[Slider] = []
+        self._lists: list[tuple[Control, vtkTextActor]] = []
+        self._words: list[vtkTextActor] = []
 
     @property
     def names(self) -> list[str]:
         """Of the options on this page: sliders, then lists."""
-        return [control.name for control, *_ in (*self._sliders, *self._lists)]
+        sliders = [slider.control.name for slider in self._sliders]
+        return [*sliders, *(control.name for control, _ in self._lists)]
 
     def turn_page(self) -> None:
         """Show the next sliders."""
@@ -97,24 +111,24 @@ class OptionPanel:
         if self._session.method != self._method:
             self._method, self._page = self._session.method, 0
             self._build()
-        for control, widget, number in self._sliders:
+        for control, _, shape, number in self._sliders:
             value = self._value(control)
             number.SetInput("auto" if value is None else f"{value:.5g}{control.unit}")
             place = control.start if value is None else value
-            widget.GetRepresentation().SetValue(min(max(place, control.low), control.high))
+            shape.SetValue(min(max(place, control.low), control.high))
         for i, (control, line) in enumerate(self._lists):
             line.SetInput(f"{i + 1}   {control.label}: {self._value(control)}")
 
     def show(self, *, shown: bool) -> None:
         """Show or hide all sliders."""
-        for _, widget, _ in self._sliders:
+        for _, widget, *_ in self._sliders:
             widget.SetEnabled(shown)
 
     def close(self) -> None:
         """Let go of the sliders."""
-        for _, widget, _ in self._sliders:
-            widget.Off()
-            widget.SetInteractor(None)
+        for slider in self._sliders:
+            slider.widget.Off()
+            slider.widget.SetInteractor(None)  # type: ignore[arg-type] # VTK takes it
         for actor in (*self._words, *(line for _, line in self._lists)):
             self._renderer.RemoveViewProp(actor)
         self._sliders, self._lists, self._words = [], [], []
@@ -133,7 +147,7 @@ class OptionPanel:
             self._words.append(label(self._renderer, control.label, (_LEFT, height)))
             number = label(self._renderer, "", (_RIGHT, height), align="right", color=_BLUE)
             self._words.append(number)
-            self._sliders.append((control, self._slider(control, height - 0.019), number))
+            self._sliders.append(self._slider(control, height - 0.019, number))
             height -= _STEP
         if pages > 1:
             more = f"Tab: more options ({self._page + 1} of {pages})"
@@ -147,7 +161,8 @@ class OptionPanel:
             words = "by --set: " + ", ".join(others)
             self._words.append(label(self._renderer, words, (_LEFT, height), size=11, color=_FAINT))
 
-    def _slider(self, control: Control, height: float) -> Any:
+    def _slider(self, control: Control, height: float, number: vtkTextActor) -> Slider:
+        from vtkmodules.vtkCommonCore import vtkCommand
         from vtkmodules.vtkInteractionWidgets import vtkSliderRepresentation2D, vtkSliderWidget
 
         shape = vtkSliderRepresentation2D()
@@ -176,7 +191,7 @@ class OptionPanel:
         widget.SetAnimationModeToJump()
         widget.KeyPressActivationOff()  # else the key i would hide it
         widget.AddObserver(
-            "InteractionEvent", lambda *_: self.slide(control.name, shape.GetValue())
+            vtkCommand.InteractionEvent, lambda *_: self.slide(control.name, shape.GetValue())
         )
         widget.On()
-        return widget
+        return Slider(control, widget, shape, number)

@@ -7,7 +7,7 @@ mesh's own, so that their normals and curvature are the mesh's, at every scale.
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -101,7 +101,7 @@ class Proxy:
         return self._spaces[id(space)][1]
 
     @staticmethod
-    def worth(shape: Any) -> bool:
+    def worth(shape: Mesh) -> bool:
         """Whether a shape is so big that a proxy would be much smaller."""
         return len(shape.vertices) > 2 * _MOST
 

@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 from itertools import pairwise
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from meshdepict.drawing.scale_bar import scale_bar
 from meshdepict.viewer.windows.labels import label
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+    from vtkmodules.vtkRenderingCore import vtkRenderer
 
 __all__ = ["Ruler"]
 
@@ -24,7 +28,7 @@ class Ruler:
         Of the coordinates, empty where unknown.
     """
 
-    def __init__(self, renderer: Any, unit: str = "") -> None:
+    def __init__(self, renderer: vtkRenderer, unit: str = "") -> None:
         import pyvista as pv
         from vtkmodules.vtkRenderingCore import vtkActor2D, vtkPolyDataMapper2D
 
@@ -40,7 +44,7 @@ class Ruler:
         self._label = label(renderer, "", (0.5, 0.045), size=14, align="center")
         self._label.GetTextProperty().SetBackgroundColor(1, 1, 1)
         self._label.GetTextProperty().SetBackgroundOpacity(0.7)
-        self._drawn: Any = None
+        self._drawn: tuple[float, int] | None = None
 
     def update(self, units_per_pixel: float | None, width: int, *, hidden: bool = False) -> None:
         """Show the scale of a picture so many pixels wide; None is perspective, without one."""
@@ -67,7 +71,8 @@ class Ruler:
                 quads.append([len(points) + k for k in range(4)])
                 points += [(left, low, 0), (right, low, 0), (right, high, 0), (left, high, 0)]
                 colors.append(color)
-        fresh = pv.PolyData.from_regular_faces(np.array(points, np.float32), np.array(quads))
+        corners: NDArray[Any] = np.array(points, np.float32)
+        fresh = pv.PolyData.from_regular_faces(corners, np.array(quads))
         fresh.cell_data.set_array(np.array(colors, np.uint8), "RGB")
         fresh.cell_data.active_scalars_name = "RGB"
         self._bar.copy_from(fresh)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from meshdepict.drawing.display import check_opengl, has_graphics_card
 from meshdepict.viewer.session import Session
@@ -16,6 +16,9 @@ from meshdepict.viewer.windows.option_panel import OptionPanel
 from meshdepict.viewer.windows.ruler import Ruler
 from meshdepict.viewer.windows.status import color_line, light_line, view_line
 from meshdepict.viewer.windows.wipe import Wipe
+
+if TYPE_CHECKING:
+    from meshdepict.drawing.plotter import Plotter
 
 __all__ = ["Scenery"]
 
@@ -67,7 +70,7 @@ class Scenery:
         self._session = session
         self.helping = self.bare = False
         title = f"{name} - meshdepict"
-        self.plotter = pv.Plotter(
+        self.plotter: Plotter = pv.Plotter(
             window_size=list(size), off_screen=off_screen, notebook=False, title=title
         )
         check_opengl(self.plotter)

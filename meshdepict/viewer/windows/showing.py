@@ -5,6 +5,8 @@ from __future__ import annotations
 import sys
 from typing import TYPE_CHECKING, Any
 
+from meshdepict.baking.baked import Baked, Depiction
+from meshdepict.baking.volumes import BakedVolume
 from meshdepict.drawing.display import check_display
 from meshdepict.drawing.picture import plot
 from meshdepict.drawing.volume_picture import plot_volume
@@ -16,7 +18,7 @@ from meshdepict.viewer.windows.volume_window import VolumeWindow
 from meshdepict.viewer.windows.window import Window
 
 if TYPE_CHECKING:
-    from meshdepict.baking.baked import Depiction
+    from meshdepict.drawing.plotter import Plotter
     from meshdepict.viewer.session import Session
 
 __all__ = ["show", "window_on"]
@@ -57,9 +59,12 @@ def window_on(session: Session, **given: Any) -> LitWindow:
     return kind(session, **given)
 
 
-def _plot(baked: Any, **plotter: Any) -> Any:
+def _plot(baked: Depiction, **plotter: Any) -> Plotter:
     """Return a plotter that shows a bake of either kind."""
-    return (plot_volume if baked.shape.kind == "volume" else plot)(baked, **plotter)
+    if isinstance(baked, BakedVolume):
+        return plot_volume(baked, **plotter)
+    assert isinstance(baked, Baked)
+    return plot(baked, **plotter)
 
 
 def _in_notebook() -> bool:

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 if TYPE_CHECKING:
+    from vtkmodules.vtkCommonDataModel import vtkPlane
+
     from meshdepict.color.transfer_function import TransferFunction
     from meshdepict.shapes.volume import Volume
 
@@ -23,7 +25,7 @@ def first_seen(
     transfer: TransferFunction,
     near: NDArray[np.float64],
     far: NDArray[np.float64],
-    planes: Sequence[Any] = (),
+    planes: Sequence[vtkPlane] = (),
 ) -> NDArray[np.float64] | None:
     """Return the point of a ray where opacity has used up half of its light; None if nowhere.
 

@@ -43,7 +43,7 @@ class VolumeSession(Session):
 
     def __init__(  # not Session's, which wants a mesh
         self,
-        volume: Any,
+        volume: object,
         method: str | Callable[..., Any] = "exaggerated",
         *,
         progress: Callable[[float, float], None] | None = None,

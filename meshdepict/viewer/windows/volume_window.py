@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 import os
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,6 +25,9 @@ from meshdepict.viewer.windows.lit_window import SIZE, LitWindow
 from meshdepict.viewer.windows.volume_actions import VolumeActions
 from meshdepict.viewer.windows.volume_session import VolumeSession
 
+if TYPE_CHECKING:
+    from vtkmodules.vtkCommonDataModel import vtkPlane
+
 __all__ = ["VolumeWindow", "show_volume"]
 
 _BUDGET = 0.08  # seconds that drawing may take while something moves
@@ -33,7 +36,7 @@ _PATIENCE = 1.0  # seconds of shading that a motion waits for
 
 
 def show_volume(
-    volume: Any,
+    volume: object,
     method: str = "exaggerated",
     *,
     name: str | None = None,
@@ -80,12 +83,13 @@ class VolumeWindow(LitWindow):
         What is shown of the volume.
     """
 
+    session: VolumeSession
     object: LitVolume
 
     def _made_actions(self) -> VolumeActions:
         return VolumeActions(self)
 
-    def _made_object(self, *, live: bool, planes: dict[str, Any]) -> LitVolume:
+    def _made_object(self, *, live: bool, planes: dict[str, vtkPlane]) -> LitVolume:
         self.box = ClippingBox(self.session.shape)
         self._moving = False
         return LitVolume(self.plotter, self.session, live=live, planes=planes)

@@ -7,7 +7,7 @@ coarse stand-in then, and the whole picture comes when the hand rests.
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
 from meshdepict.scene.view import View
 from meshdepict.viewer.windows import exports
@@ -15,6 +15,9 @@ from meshdepict.viewer.windows.actions import Actions
 from meshdepict.viewer.windows.cycle import colormaps, other
 from meshdepict.viewer.windows.lit_object import LitObject
 from meshdepict.viewer.windows.lit_window import LitWindow
+
+if TYPE_CHECKING:
+    from vtkmodules.vtkCommonDataModel import vtkPlane
 
 __all__ = ["Window"]
 
@@ -27,7 +30,7 @@ class Window(LitWindow):
     def _made_actions(self) -> Actions:
         return Actions(self)
 
-    def _made_object(self, *, live: bool, planes: dict[str, Any]) -> LitObject:
+    def _made_object(self, *, live: bool, planes: dict[str, vtkPlane]) -> LitObject:
         return LitObject(self.plotter, self.session, live=live, planes=planes)
 
     def _refine(self, *, moving: bool) -> None:

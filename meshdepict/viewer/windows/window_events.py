@@ -6,43 +6,93 @@ import signal
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from typing import Any
+from typing import TYPE_CHECKING, Protocol
 
 from meshdepict.drawing.canvas import only_errors
 from meshdepict.drawing.display import check_display
 from meshdepict.errors import MeshdepictError
+from meshdepict.viewer.windows.keys import Pressed
+
+if TYPE_CHECKING:
+    from vtkmodules.vtkRenderingCore import vtkRenderWindowInteractor
+
+    from meshdepict.drawing.plotter import Plotter
 
 __all__ = ["bind", "only_errors", "run_loop"]
+
+
+class Handled(Protocol):
+    """A window as its events see it; see `LitWindow`, whose handlers these are."""
+
+    plotter: Plotter
+    actions: Pressed
+    fault: BaseException | None
+
+    def grip(self, at: tuple[int, int]) -> str | None:
+        """Return what a plain drag takes hold of."""
+
+    def take(self, what: str, at: tuple[int, int]) -> None:
+        """Begin a drag."""
+
+    def drag(self, at: tuple[int, int]) -> bool:
+        """Move what is held."""
+
+    def let_go(self) -> bool:
+        """End a drag."""
+
+    def camera_moved(self) -> None:
+        """Follow the camera."""
+
+    def tick(self) -> None:
+        """Do what is due."""
+
+    def soon(self) -> None:
+        """Have the whole picture drawn once the hand rests."""
+
+    def settle(self) -> None:
+        """Draw the whole picture."""
+
+    def say(self, words: str) -> None:
+        """Show a message."""
+
+    def finish(self) -> None:
+        """Clean up."""
+
+    def close(self) -> None:
+        """Close the window."""
+
 
 _FIRST = 10.0  # before sliders (0.5) and the camera's style (0)
 _TIMER = 50  # milliseconds
 
 
-def bind(window: Any) -> None:
+def bind(window: Handled) -> None:
     """Lead the events of a `Window`'s interactor to its handlers, before anybody else's."""
+    from vtkmodules.vtkCommonCore import vtkCommand
+
     interactor = window.plotter.iren.interactor
     # Else the camera's style draws a frame for every event, beside the window's.
     interactor.EnableRenderOff()
 
-    def on(event: str, handler: Callable[[Any], bool]) -> None:
-        def handle(caller: Any, _: str) -> None:
+    def on(event: str, handler: Callable[[vtkRenderWindowInteractor], object]) -> None:
+        def handle(caller: vtkRenderWindowInteractor, _: str) -> None:
             if _guarded(window, lambda: handler(caller)):
                 interactor.GetCommand(tag).SetAbortFlag(1)
 
-        tag = interactor.AddObserver(event, handle, _FIRST)
+        tag = interactor.AddObserver(vtkCommand.GetEventIdFromString(event), handle, _FIRST)
 
-    def key(caller: Any) -> bool:
+    def key(caller: vtkRenderWindowInteractor) -> bool:
         window.actions.press(caller.GetKeySym() or "")
         return True  # no keys of VTK's or PyVista's
 
-    def left(caller: Any) -> bool:
+    def left(caller: vtkRenderWindowInteractor) -> bool:
         at = caller.GetEventPosition()
         what = "light" if caller.GetControlKey() else window.grip(at)
         if what is not None:
             window.take(what, at)
         return what is not None
 
-    def right(caller: Any) -> bool:
+    def right(caller: vtkRenderWindowInteractor) -> bool:
         window.take("light", caller.GetEventPosition())
         return True
 
@@ -57,15 +107,22 @@ def bind(window: Any) -> None:
     on("ConfigureEvent", lambda _: window.soon())
     window.plotter.enable_trackball_style()
     style = window.plotter.iren.style
+
+    def followed(*_: object) -> None:
+        _guarded(window, window.camera_moved)
+
+    def rested(*_: object) -> None:
+        _guarded(window, window.soon)
+
     # While the camera moves its style gets all events, and nobody else any: at every tick it would
     # repeat the last move, and a key would do what VTK means by it.
-    style.AddObserver("TimerEvent", lambda *_: None)
-    style.AddObserver("CharEvent", lambda *_: None)
-    style.AddObserver("InteractionEvent", lambda *_: _guarded(window, window.camera_moved))
-    style.AddObserver("EndInteractionEvent", lambda *_: _guarded(window, window.soon))
+    style.AddObserver(vtkCommand.TimerEvent, lambda *_: None)
+    style.AddObserver(vtkCommand.CharEvent, lambda *_: None)
+    style.AddObserver(vtkCommand.InteractionEvent, followed)
+    style.AddObserver(vtkCommand.EndInteractionEvent, rested)
 
 
-def _guarded(window: Any, handler: Callable[[], Any]) -> Any:
+def _guarded(window: Handled, handler: Callable[[], object]) -> object:
     """Call a handler; VTK would print what it raises and go on."""
     try:
         return handler()
@@ -77,7 +134,7 @@ def _guarded(window: Any, handler: Callable[[], Any]) -> Any:
     return True
 
 
-def run_loop(window: Any, frames: int | None) -> None:
+def run_loop(window: Handled, frames: int | None) -> None:
     """Keep a window open until it is closed, or off screen for some frames; then clean up."""
     plotter = window.plotter
     try:
@@ -96,14 +153,14 @@ def run_loop(window: Any, frames: int | None) -> None:
 
 
 @contextmanager
-def _interruptible(window: Any) -> Iterator[None]:
+def _interruptible(window: Handled) -> Iterator[None]:
     """Let Ctrl-C end the loop; in a handler of VTK's it would end the program there and then."""
     if threading.current_thread() is not threading.main_thread():
         yield
         return
     usual = signal.getsignal(signal.SIGINT)
 
-    def interrupt(*_: Any) -> None:
+    def interrupt(*_: object) -> None:
         signal.signal(signal.SIGINT, usual)  # a second one doesn't wait
         window.fault = KeyboardInterrupt()
         window.close()

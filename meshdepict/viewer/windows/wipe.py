@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    from meshdepict.drawing.plotter import Camera
 
 __all__ = ["Wipe", "wipe_normal"]
 
 Vector = NDArray[np.float64]
 
 
-def wipe_normal(camera: Any, place: float, aspect: float) -> tuple[Vector, Vector]:
+def wipe_normal(camera: Camera, place: float, aspect: float) -> tuple[Vector, Vector]:
     """Return a point of the plane that a vertical line on the picture is, and its normal.
 
     Parameters
@@ -78,7 +81,7 @@ class Wipe:
         """Move the line; it stays within the picture."""
         self.place = min(max(place, 0.0), 1.0)
 
-    def update(self, camera: Any, aspect: float) -> None:
+    def update(self, camera: Camera, aspect: float) -> None:
         """Follow the camera."""
         self.line.SetVisibility(self.on)
         self.line.SetPosition(self.place, 0)
