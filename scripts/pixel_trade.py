@@ -29,16 +29,15 @@ from meshdepict.scales.image_scales import image_space
 from meshdepict.scales.interpolated_scales import InterpolatedSpace
 from meshdepict.scene.names import as_light
 from meshdepict.shading import declaration
+from meshdepict.shading.registry import METHODS as ALL
 from meshdepict.shading.registry import find_method
 from meshdepict.shapes import samples
 from meshdepict.shapes.gbuffer import GBuffer
 from meshdepict.threads import thread_count
 
 PLOT = Path(__file__).resolve().parent.parent / "docs" / "pixel_trade.png"
-METHODS = (
-    "lambert", "phong", "mean_curvature", "exaggerated", "radiance_scaling", "light_warping",
-    "light_alignment",
-)  # fmt: skip
+# Those that shade each sample by itself: the others have no values between vertices.
+METHODS = tuple(name for name, function in ALL.items() if declaration(function).local)
 COUNTS = (5_000, 10_000, 20_000, 40_000, 80_000, 160_000)
 REFINED = (10_000, 40_000)
 WIDTH = "0.5%"  # of the diagonal: the golf ball's median edge at 50,000 vertices
@@ -265,7 +264,7 @@ def plot(cases: list[Case], found: dict[str, Errors], path: Path) -> None:
         axis.grid(visible=True, alpha=0.3)
     axes[0].set(ylabel="rms difference, grey levels")
     figure.legend(
-        *axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=7, frameon=False
+        *axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=5, frameon=False
     )
     figure.savefig(path, dpi=90)
 
