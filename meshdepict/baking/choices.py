@@ -230,7 +230,7 @@ class Choices:
         fields = {
             name: getattr(self, name)
             for name, each in choice_fields().items()
-            if name != "method" and getattr(self, name) is not each.default
+            if name != "method" and not _is(getattr(self, name), each.default)
         }
         return {**fields, **self.options}
 
@@ -257,9 +257,7 @@ class Choices:
         """
         for name, each in choice_fields().items():
             only = each.metadata["only"]
-            given = getattr(self, name)
-            plain = isinstance(given, (str, Real))  # an array compares by element
-            usual = given is each.default or (plain and given == each.default)
+            usual = _is(getattr(self, name), each.default)
             if only and (only == VOLUME) != (kind == VOLUME) and not usual:
                 raise MeshdepictError(
                     f"{name} is about a {only}, and this is a {kind}: leave it out"
@@ -271,6 +269,12 @@ class Choices:
         if kind == "image" and "curvature" in options_of(self.function):
             follows["curvature"] = self.options.get("curvature", "view")  # as its paper has it
         return self.replace(**follows)
+
+
+def _is(given: object, usual: object) -> bool:
+    """Whether what was given is what is usual: by value where words and numbers are compared."""
+    plain = isinstance(given, (str, Real))  # an array compares by element
+    return given is usual or (plain and given == usual)
 
 
 def _again(kind: type[Choices], method: str | Callable[..., Any], words: dict[str, Any]) -> Choices:

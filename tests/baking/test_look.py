@@ -80,6 +80,25 @@ def test_words_are_what_differs():
     assert repr(look) == "Look('exaggerated', up='z', exaggeration=30.0)"
 
 
+def test_what_equals_a_default_is_one_however_it_was_made():
+    usual = {name: each.default for name, each in choice_fields().items() if name != "method"}
+    fresh = {
+        name: "".join(list(value)) if isinstance(value, str) else np.float64(value)
+        for name, value in usual.items()
+        if isinstance(value, str) or type(value) in (int, float)
+    }
+    assert {"light", "view", "albedo", "tolerance", "facing"} <= set(fresh)
+    assert all(value is not usual[name] for name, value in fresh.items())
+    assert md.Look("lambert", **fresh).words() == {}
+
+
+def test_a_light_in_numbers_is_told_from_the_default_without_comparing_its_elements():
+    for light in ((0, 0, 1), np.array([0.0, 0.0, 1.0]), [(0, 0, 1), "front"]):
+        words = md.Look("phong", light=light).words()
+        assert set(words) == {"light"}
+        assert words["light"] is light
+
+
 @pytest.mark.parametrize("function", [md.bake, md.bake_volume])
 def test_signatures_name_every_choice_with_its_default(function):
     known = inspect.signature(function).parameters
