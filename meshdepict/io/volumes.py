@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from meshdepict.errors import MeshdepictError, MeshdepictWarning
+from meshdepict.files.any_numbers import any_numbers
 from meshdepict.files.reach import regular
 from meshdepict.io.dicom_elements import looks_like_dicom
 from meshdepict.io.volume_contents import VolumeContents
@@ -114,9 +115,10 @@ def read_volume(
         kind = _kind(path)
         if series is not None and kind != "dicom":
             raise MeshdepictError("is no DICOM, so that there is no series to choose")
-        contents = _contents(path, kind, series, tilt)
-        _place(contents, spacing, kind, tilt)
-        volume = _volume(contents, slope, intercept)
+        with any_numbers():
+            contents = _contents(path, kind, series, tilt)
+            _place(contents, spacing, kind, tilt)
+            volume = _volume(contents, slope, intercept)
     except MeshdepictError as error:
         text = str(error)
         joint = " " if text.split(" ", 1)[0] in _VERBS else ": "
@@ -152,8 +154,7 @@ def _straighten(contents: VolumeContents, tilt: str) -> None:
 
     place = contents.place
     steps = np.asarray(place.pop("steps"), np.float64)
-    with np.errstate(over="ignore", invalid="ignore"):
-        lengths = np.linalg.norm(steps, axis=0)
+    lengths = np.linalg.norm(steps, axis=0)
     if not np.isfinite(lengths).all():
         raise MeshdepictError("says distances of its voxels that are not finite")
     place["spacing"] = lengths
