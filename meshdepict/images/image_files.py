@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from meshdepict.errors import MeshdepictError, MeshdepictWarning
+from meshdepict.files.any_numbers import quiet
 from meshdepict.files.pictures import mapped_array, opened_picture
 from meshdepict.files.reach import regular
 
@@ -67,8 +68,8 @@ def read_image(path: str | Path) -> NDArray[Any]:
         raise MeshdepictError(f"{path}: no such file")
     try:
         if path.suffix.lower() == ".npy":
-            return np.array(mapped_array(path))
-        return _pixels(path)
+            return np.array(quiet(mapped_array(path)))
+        return quiet(_pixels(path))
     except (OSError, ValueError) as error:
         raise MeshdepictError(
             f"{path}: not an image that can be read ({error}); PNG, TIFF in one channel or 8 bits, "

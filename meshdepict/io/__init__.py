@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from meshdepict.errors import MeshdepictError
+from meshdepict.files.any_numbers import any_numbers, quiet
 from meshdepict.files.atomic import atomic_write
 from meshdepict.files.mark import MARK
 from meshdepict.io.source import FORMATS, WRITABLE, format_of, opened, suffix_of, unmarked
@@ -130,7 +131,7 @@ def write_mesh(
         )
     saving = Saving(_checked_colors(colors, mesh), _checked_comments(comments), keep_colors, suffix)
     module = _module(FORMATS[suffix])
-    with atomic_write(path) as file:
+    with atomic_write(path) as file, any_numbers():
         if Path(path).suffix.lower() == ".gz":
             # Without name and time the same mesh gives the same bytes.
             with gzip.GzipFile("", "wb", 6, file, mtime=0) as packed:
@@ -166,7 +167,8 @@ def _decoded(data: bytes, path: str | os.PathLike[str]) -> Contents:
         raise MeshdepictError(f"{path} {error}") from error
     name = format_of(path, data[:4096], len(data))
     try:
-        contents: Contents = _module(name).decode(data, Path(path))
+        with any_numbers():
+            contents: Contents = _module(name).decode(data, Path(path))
     except MeshdepictError as error:  # "is cut off …": the file is its subject
         raise MeshdepictError(f"{path} {error}") from error
     except MemoryError as error:
@@ -176,7 +178,11 @@ def _decoded(data: bytes, path: str | os.PathLike[str]) -> Contents:
             f"{path} is damaged or not understood as {name.upper()} "
             f"({type(error).__name__}: {error})"
         ) from error
-    return contents
+    attributes = {
+        element: {name: quiet(values) for name, values in arrays.items()}
+        for element, arrays in contents.attributes.items()
+    }
+    return contents._replace(vertices=quiet(contents.vertices), attributes=attributes)
 
 
 def _module(name: str) -> Any:

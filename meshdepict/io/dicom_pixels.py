@@ -58,6 +58,8 @@ def stored_numbers(one: Slice, notes: list[str]) -> tuple[NDArray[Any], NDArray[
     if not kind and bits not in _WHOLE:
         raise MeshdepictError(f"has {bits} bits in a pixel, not 8, 16 or 32: {name}")
     itemsize = int(kind[1]) if kind else bits // 8
+    if not kind:
+        _bits(one)
     assert one.file.pixels is not None  # `headers` left out what has none
     start, length = one.file.pixels
     if one.file.syntax in _PLAIN and length >= 0:
@@ -97,15 +99,8 @@ def _plain(one: Slice, start: int, kind: str, shape: tuple[int, ...]) -> NDArray
 
 def _meaning(one: Slice, raw: NDArray[Any]) -> tuple[NDArray[Any], NDArray[np.bool_] | None]:
     """Return bits as numbers: those stored, with their sign; and where these are padding."""
-    bits = 8 * raw.dtype.itemsize
-    used = int(one.number("0028|0101", bits))
-    high = int(one.number("0028|0102", used - 1))
+    bits, used, high = _bits(one)
     signed = one.tag("0028|0103") == "1"
-    if not 0 < used <= bits or not used - 1 <= high < bits:
-        raise MeshdepictError(
-            f"says that {used} of {bits} bits are used, up to bit {high}, in {one.path.name}: that "
-            "can't be"
-        )
     kind = np.dtype(f"{'i' if signed else 'u'}{bits // 8}")
     whole = raw.astype(raw.dtype.newbyteorder("="), copy=False)
     numbers = whole.view(kind)
@@ -116,6 +111,19 @@ def _meaning(one: Slice, raw: NDArray[Any]) -> tuple[NDArray[Any], NDArray[np.bo
         if one.stored_padding is not None:
             padded = _padded(one, numbers) if padded is None else padded | _padded(one, numbers)
     return numbers, padded
+
+
+def _bits(one: Slice) -> tuple[int, int, int]:
+    """Return how many bits a number takes, how many of them are used, and the highest of these."""
+    bits = int(one.number("0028|0100", 16))
+    used = int(one.number("0028|0101", bits))
+    high = int(one.number("0028|0102", used - 1))
+    if not 0 < used <= bits or not used - 1 <= high < bits:
+        raise MeshdepictError(
+            f"says that {used:g} of {bits} bits are used, up to bit {high:g}, in {one.path.name}: "
+            "that can't be"
+        )
+    return bits, used, high
 
 
 def _padded(one: Slice, numbers: NDArray[Any]) -> Any:
@@ -161,8 +169,7 @@ def _bare(one: Slice, start: int) -> bytes:
     def short(tag: int, number: float) -> bytes:
         return element(tag, b"US", struct.pack("<H", int(number)))
 
-    bits = int(one.number("0028|0100", 16))
-    used = int(one.number("0028|0101", bits))
+    bits, used, high = _bits(one)
     uid = b"2.25.1"
     meta = (
         element(0x00020001, b"OB", b"\0\1")
@@ -183,7 +190,7 @@ def _bare(one: Slice, start: int) -> bytes:
         + short(0x00280011, min(one.size[0], 65535))
         + short(0x00280100, bits)
         + short(0x00280101, used)
-        + short(0x00280102, min(one.number("0028|0102", used - 1), 65535))
+        + short(0x00280102, high)
         + short(0x00280103, one.tag("0028|0103") == "1")
     )
     fragments = _fragments(one, start)

@@ -60,9 +60,8 @@ def decode(data: bytes, path: Path) -> Contents:
     """
     header, chunk = _unpacked(data)
     try:
-        with np.errstate(all="ignore"):  # what overflows is refused, here or by the mesh
-            scene = Scene(header, chunk, path.parent, len(data))
-            parts, lost = scene.parts(), scene.losses()
+        scene = Scene(header, chunk, path.parent, len(data))
+        parts, lost = scene.parts(), scene.losses()
     except MeshdepictError:
         raise
     except (LookupError, ValueError) as error:

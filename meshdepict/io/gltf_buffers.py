@@ -79,6 +79,19 @@ class Buffers:
             values[at] = self._viewed(sparse["values"], kind, (count, shape[1]))
         return as_fractions(values) if fractions or accessor.get("normalized") else values
 
+    def indices(self, index: int) -> NDArray[np.int64]:
+        """Return an accessor's values as (count, components) of whole numbers.
+
+        Raises
+        ------
+        MeshdepictError
+            For floats.
+        """
+        values = self.accessor(index)
+        if values.dtype.kind not in "iu":
+            raise MeshdepictError(f"is wrong as glTF: accessor {index} holds floats as indices")
+        return values.astype(np.int64)
+
     def packed(self, index: int, numbers: int) -> bytes:
         """Return a buffer view that Draco packed, having counted the numbers that are in it."""
         data = self.view(index)

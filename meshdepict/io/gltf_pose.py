@@ -164,7 +164,7 @@ def skinned(
     for number in count():
         if f"JOINTS_{number}" not in used or f"WEIGHTS_{number}" not in used:
             break
-        which = buffers.accessor(used[f"JOINTS_{number}"]).astype(np.int64)
+        which = buffers.indices(used[f"JOINTS_{number}"])
         shares = buffers.accessor(used[f"WEIGHTS_{number}"], fractions=True)
         for k in range(which.shape[1]):
             share = shares[:, k : k + 1].astype(np.float64)

@@ -192,7 +192,7 @@ class Scene:
         if unpacked is not None:
             index = unpacked.faces.reshape(-1)
         elif "indices" in primitive:
-            index = self._buffers.accessor(primitive["indices"])[:, 0].astype(np.int64)
+            index = self._buffers.indices(primitive["indices"])[:, 0]
         else:
             index = np.arange(count)
         wrong = (index < 0) | (index >= count)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import re
 from pathlib import Path
 from typing import Any
 
@@ -11,19 +10,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshdepict.errors import MeshdepictError
-from meshdepict.files.limits import check_claim
-from meshdepict.files.reach import inside
-from meshdepict.io.volume_bytes import (
+from meshdepict.io.volume_bytes import voxels_of_files
+from meshdepict.io.volume_contents import VolumeContents, rescaled, several_values, three_counts
+from meshdepict.io.volume_header import (
+    LONGEST,
+    checked_start,
+    data_paths,
+    floats,
+    integers,
     numbered_names,
-    text_numbers,
-    voxels_of_files,
-)
-from meshdepict.io.volume_contents import (
-    VolumeContents,
-    printable,
-    rescaled,
-    several_values,
-    three_counts,
+    value_type,
+    voxels_of_text,
 )
 from meshdepict.voxels.length_unit import length_unit
 
@@ -34,7 +31,6 @@ _TYPES = {
     "LONG": "i4", "ULONG": "u4", "LONG_LONG": "i8", "ULONG_LONG": "u8", "FLOAT": "f4",
     "DOUBLE": "f8",
 }  # fmt: skip
-_LONGEST = 1 << 20  # bytes of header
 _YES = ("true", "1", "yes")
 
 
@@ -46,22 +42,11 @@ class _Header(dict[str, str]):
 
     def numbers(self, *names: str) -> list[float]:
         """Return the numbers of the first of some lines that there is."""
-        text = self.word(*names)
-        try:
-            return [float(word) for word in text.split()]
-        except ValueError:
-            raise MeshdepictError(
-                f"is damaged: its header has {printable(text)[:60]!r} for numbers"
-            ) from None
+        return floats(self.word(*names))
 
     def counts(self, name: str) -> list[int]:
         """Return a line's whole numbers."""
-        words = self.word(name).split()
-        if not all(re.fullmatch(r"[+-]?\d{1,18}", word) for word in words):
-            raise MeshdepictError(
-                f"is damaged: its header has {printable(self.word(name))[:60]!r} for whole numbers"
-            )
-        return [int(word) for word in words]
+        return integers(self.word(name))
 
     def word(self, *names: str) -> str:
         """Return the text of the first of some lines that there is."""
@@ -93,12 +78,8 @@ def read_metaimage(path: Path) -> VolumeContents:
     if header.counts("ndims") != [len(sizes)]:
         raise MeshdepictError("is damaged: its header says other dimensions than sizes")
     counts = three_counts(sizes)
-    if name not in _TYPES:
-        raise MeshdepictError(
-            f"holds values of the type {printable(name)[:30]!r}: save it as integers or floats"
-        )
     big = header.yes("elementbyteordermsb", "binarydatabyteordermsb")
-    kind = np.dtype(_TYPES[name]).newbyteorder(">" if big else "<")
+    kind = value_type(name, _TYPES, big_endian=big)
     values = _values(path, header, kind, counts, notes)
     slope = header.numbers("elementtointensityfunctionslope") or [1.0]
     shift = header.numbers("elementtointensityfunctionoffset") or [0.0]
@@ -112,16 +93,16 @@ def read_metaimage(path: Path) -> VolumeContents:
 def _header(path: Path) -> _Header:
     found = _Header()
     with path.open("rb") as file:
-        while line := file.readline(_LONGEST):
+        while line := file.readline(LONGEST):
             text = line.decode("utf-8", "replace")
             name, parted, value = text.partition("=")
-            if not parted or file.tell() > _LONGEST:
+            if not parted or file.tell() > LONGEST:
                 break
             found[name.strip().lower()] = value.strip()
             if name.strip().lower() == "elementdatafile":
                 found.length = file.tell()
                 if value.split()[:1] == ["LIST"]:
-                    names = file.read(_LONGEST).decode("utf-8", "replace").splitlines()
+                    names = file.read(LONGEST).decode("utf-8", "replace").splitlines()
                     found.files = tuple(name.strip() for name in names if name.strip())
                 break
     if not {"ndims", "dimsize", "elementtype", "elementdatafile"} <= set(found):
@@ -136,35 +117,17 @@ def _values(
     notes: list[str],
 ) -> NDArray[Any]:  # fmt: skip
     named = header["elementdatafile"]
-    skip = (header.counts("headersize") or [0])[0]
-    if not -1 <= skip < 1 << 40:
-        raise MeshdepictError("is damaged: its header says an impossible place of its voxels")
+    skip = checked_start((header.counts("headersize") or [0])[0])
     files = [path]
     if named.upper() == "LOCAL":
         skip = header.length
     else:
-        names = header.files or _numbered_files(named, counts) or [named]
-        files = [inside(path.parent, name.removeprefix("./"), "data file") for name in names]
+        names = header.files or numbered_names(named.split(), counts[-1]) or [named]
+        files = data_paths(path.parent, names)
     packed = "zlib" if header.yes("compresseddata") else ""
     if header.word("binarydata").lower() not in ("", *_YES) and len(files) == 1:
-        if not files[0].is_file():
-            raise MeshdepictError(f"names the data file {files[0].name!r}, which is not there")
-        check_claim(math.prod(counts) * kind.itemsize, files[0].stat().st_size, "voxels")
-        with files[0].open("rb") as file:
-            file.seek(max(skip, 0))
-            return text_numbers(file.read(), kind, counts, notes)
+        return voxels_of_text(files[0], kind, counts, notes, start=max(skip, 0))
     return voxels_of_files(files, kind, counts, notes, packed=packed, start=skip)
-
-
-def _numbered_files(named: str, counts: tuple[int, int, int]) -> list[str]:
-    """Return the names that a pattern such as ``slice%03d.raw 1 24 1`` stands for, or none."""
-    words = named.split()
-    if len(words) != 4 or not re.search(r"%\d*d", words[0]):
-        return []
-    if not all(re.fullmatch(r"[+-]?\d{1,9}", word) for word in words[1:]):
-        return []
-    first, last, step = map(int, words[1:])
-    return numbered_names(words[0], first, last, step, counts[-1])
 
 
 def _place(header: _Header) -> dict[str, Any]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 import math
 import re
 from dataclasses import dataclass, field
@@ -13,19 +12,22 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshdepict.errors import MeshdepictError
-from meshdepict.files.limits import check_claim
-from meshdepict.files.reach import inside
-from meshdepict.io.volume_bytes import (
-    numbered_names,
-    text_numbers,
-    voxels,
-    voxels_of_files,
-)
+from meshdepict.io.volume_bytes import voxels_of_files
 from meshdepict.io.volume_contents import (
     VolumeContents,
     printable,
     several_values,
     three_counts,
+)
+from meshdepict.io.volume_header import (
+    LONGEST,
+    checked_start,
+    data_paths,
+    floats,
+    integers,
+    numbered_names,
+    value_type,
+    voxels_of_text,
 )
 from meshdepict.voxels.length_unit import MILLIMETRES, length_unit
 
@@ -52,7 +54,6 @@ _SPACES = {
     "right-anterior-superior": (-1.0, -1.0, 1.0), "ras": (-1.0, -1.0, 1.0),
     "left-anterior-superior": (1.0, -1.0, 1.0), "las": (1.0, -1.0, 1.0),
 }  # fmt: skip
-_LONGEST = 1 << 20  # bytes of header
 _UNIT = "meshdepict_unit"
 _LENGTH_UNIT = "meshdepict_length_unit"
 
@@ -93,8 +94,8 @@ def _header(path: Path) -> _Header:
                 "is cut off, damaged or not what its suffix says: it doesn't begin as NRRD does"
             )
         listed = False
-        while line := file.readline(_LONGEST):
-            if file.tell() > _LONGEST:
+        while line := file.readline(LONGEST):
+            if file.tell() > LONGEST:
                 raise MeshdepictError("is damaged: its header has no end")
             text = line.decode("utf-8", "replace").rstrip("\r\n")
             if listed and text.strip():
@@ -125,8 +126,8 @@ def _header(path: Path) -> _Header:
 
 def _counts(header: _Header) -> tuple[int, int, int]:
     """Return the voxels along x, y and z."""
-    sizes = _integers(header.fields["sizes"])
-    if _integers(header.fields["dimension"]) != [len(sizes)]:
+    sizes = integers(header.fields["sizes"])
+    if integers(header.fields["dimension"]) != [len(sizes)]:
         raise MeshdepictError("is damaged: its header says other dimensions than sizes")
     kinds = header.fields.get("kinds", "").split()
     ways = _vectors(header)
@@ -139,14 +140,8 @@ def _counts(header: _Header) -> tuple[int, int, int]:
 
 
 def _kind(header: _Header) -> np.dtype[Any]:
-    name = header.fields["type"].lower()
-    if name not in _KINDS:
-        raise MeshdepictError(
-            f"holds values of the type {printable(name)[:30]!r}: save it as integers or floats"
-        )
-    kind = np.dtype(_KINDS[name])
-    endian = header.fields.get("endian", "little").lower()
-    return kind.newbyteorder(">" if endian == "big" else "<")
+    big = header.fields.get("endian", "little").lower() == "big"
+    return value_type(header.fields["type"].lower(), _KINDS, big_endian=big)
 
 
 def _values(
@@ -158,8 +153,7 @@ def _values(
         _number(header.fields.get(name, header.fields.get(name.replace(" ", ""), "0")))
         for name in ("byte skip", "line skip")
     )
-    if not -1 <= skip < 1 << 40 or not 0 <= lines < 1 << 30 or (skip < 0 and encoding != "raw"):
-        raise MeshdepictError("is damaged: its header says an impossible place of its voxels")
+    checked_start(skip, lines, from_end=encoding == "raw")
     files, start = _files(path, header, counts), 0
     if files is None:
         files, lines, start = [path], 0, header.length
@@ -171,24 +165,10 @@ def _values(
         )  # fmt: skip
     if encoding not in (*_TEXT, "hex") or len(files) > 1:
         raise MeshdepictError(f"is encoded as {printable(encoding)[:30]!r}: save it as raw or gzip")
-    if not files[0].is_file():
-        raise MeshdepictError(f"names the data file {files[0].name!r}, which is not there")
-    size = files[0].stat().st_size
-    check_claim(math.prod(counts) * kind.itemsize, size, "voxels")
-    with files[0].open("rb") as file:
-        file.seek(start)
-        for _ in range(lines):
-            if not file.readline(_LONGEST):
-                break
-        file.seek(skip, 1)
-        text = file.read()
-    if encoding in _TEXT:
-        return text_numbers(text, kind, counts, notes)
-    try:
-        data = bytes.fromhex(text.decode("ascii"))
-    except ValueError:
-        raise MeshdepictError("is damaged: its voxels are no hexadecimal numbers") from None
-    return voxels(io.BytesIO(data), size, kind, counts, notes)
+    return voxels_of_text(
+        files[0], kind, counts, notes, start=start, lines=lines, skip=skip,
+        hexadecimal=encoding == "hex",
+    )  # fmt: skip
 
 
 def _files(path: Path, header: _Header, counts: tuple[int, int, int]) -> list[Path] | None:
@@ -197,13 +177,9 @@ def _files(path: Path, header: _Header, counts: tuple[int, int, int]) -> list[Pa
     if named is None:
         return None
     words = named.split()
-    names = [named]
     if words[:1] == ["LIST"]:
-        names = header.files
-    elif len(words) in (4, 5) and re.search(r"%\d*d", words[0]):
-        first, last, step = (_number(word) for word in words[1:4])
-        names = numbered_names(words[0], first, last, step, counts[-1])
-    return [inside(path.parent, name.removeprefix("./"), "data file") for name in names]
+        return data_paths(path.parent, header.files)
+    return data_paths(path.parent, numbered_names(words[:4], counts[-1]) or [named])
 
 
 def _place(header: _Header) -> tuple[dict[str, Any], str]:
@@ -219,11 +195,11 @@ def _place(header: _Header) -> tuple[dict[str, Any], str]:
         if "space origin" in fields:
             place["origin"] = turn * _vector(fields["space origin"])
     elif "spacings" in fields:
-        spacing = _floats(fields["spacings"])[:3]
+        spacing = floats(fields["spacings"])[:3]
         if not any(map(math.isnan, spacing)):  # its word for unknown
             place["spacing"] = np.abs(spacing)
             mins = fields.get("axis mins", fields.get("axismins", ""))
-            lows = _floats(mins)[:3] if mins else []
+            lows = floats(mins)[:3] if mins else []
             if lows and all(map(math.isfinite, lows)):
                 place["origin"] = np.array(lows)
     text = fields.get("space units", "") if ways else fields.get("units", "")
@@ -245,29 +221,12 @@ def _vectors(header: _Header) -> list[NDArray[np.float64] | None]:
 
 
 def _vector(text: str) -> NDArray[np.float64]:
-    numbers = _floats(text.strip().strip("()").replace(",", " "))
+    numbers = floats(text.strip().strip("()").replace(",", " "))
     if len(numbers) != 3:
         raise MeshdepictError(f"is damaged: {printable(text)[:60]!r} is no place in space")
     return np.array(numbers)
 
 
-def _floats(text: str) -> list[float]:
-    try:
-        return [float(word) for word in text.split()]
-    except ValueError:
-        raise MeshdepictError(
-            f"is damaged: its header has {printable(text)[:60]!r} for numbers"
-        ) from None
-
-
-def _integers(text: str) -> list[int]:
-    words = text.split()
-    if not words or not all(re.fullmatch(r"[+-]?\d{1,18}", word) for word in words):
-        raise MeshdepictError(
-            f"is damaged: its header has {printable(text)[:60]!r} for whole numbers"
-        )
-    return [int(word) for word in words]
-
-
 def _number(text: str) -> int:
-    return _integers(text)[0]
+    """Return a whole number."""
+    return (integers(text) or [0])[0]

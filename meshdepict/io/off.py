@@ -28,6 +28,7 @@ _KEYWORD = re.compile(
     rb"\s*(?:#[^\r\n]*[\r\n]\s*)*(?P<texture>ST)?(?P<color>C)?(?P<normal>N)?(?P<other>4?n?)OFF"
     rb"(?:\b|(?=\d))(?P<binary>[ \t]+BINARY[ \t]*\r?\n)?"  # ModelNet's counts touch the word
 )
+_LARGEST = 2.0**62  # of numbers that are compared as indices: beyond it 64 bits end
 _PROVENANCE = re.compile(rb"\A\w*OFF[ \t]*\r?\n((?:#[^\n]*\n)*)")
 
 
@@ -107,10 +108,9 @@ def _faces(rows: Rows) -> tuple[Polygons, dict[str, NDArray[Any]]]:
     offsets = np.concatenate(([0], np.cumsum(size)))
     corner = np.arange(offsets[-1]) + np.repeat(start + 1 - offsets[:-1], size)
     index = values[corner]
-    if (index != np.rint(index)).any():
+    if not (np.abs(index) < _LARGEST).all() or (index != np.rint(index)).any():
         raise MeshdepictError(f"has a line among the {len(size):,} faces that doesn't fit OFF")
-    with np.errstate(invalid="ignore"):
-        polygons = Polygons(index.astype(np.int64), offsets)
+    polygons = Polygons(index.astype(np.int64), offsets)
     beyond = np.unique(width - 1 - size)
     if len(beyond) == 1 and beyond[0] in (3, 4):
         return polygons, _colors(values[(start + 1 + size)[:, None] + np.arange(beyond[0])])

@@ -11,13 +11,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshdepict.errors import MeshdepictError
+from meshdepict.files.any_numbers import any_numbers
 from meshdepict.io.ply_binary import decode_binary
 from meshdepict.io.ply_grid import grid_of, grid_triangles
 from meshdepict.io.ply_header import POSITION, Element, Header
 from meshdepict.io.ply_rows import Column, Ragged, as_ragged
 from meshdepict.io.ply_text import decode_text, reflowed
 from meshdepict.shapes.document import Document, same_vertices
-from meshdepict.surface.polygons import Polygons, as_polygons, strip_triangles
+from meshdepict.surface.polygons import Polygons, as_polygons, strip_triangles, whole_numbers
 
 __all__ = [
     "PlyDocument",
@@ -48,6 +49,7 @@ class PlyDocument(Document):
     data: bytes
 
     @property
+    @any_numbers()
     def texcoords(self) -> tuple[NDArray[np.float64], NDArray[np.int64]] | None:
         """(t, 2) texture coordinates, and which of them each corner has (−1: none), or None."""
         sections = split_sections(self.header, self.data)[0]
@@ -192,7 +194,8 @@ def index_list(section: Section) -> str:
 def _cut_strips(rows: Ragged) -> Polygons:
     """Cut strips where a row or an index of −1 ends them."""
     row = np.repeat(np.arange(len(rows.offsets) - 1), np.diff(rows.offsets))
-    real = rows.values >= 0
+    values = whole_numbers(rows.values)
+    real = values >= 0
     strip = row + np.cumsum(~real)
     sizes = np.bincount(strip[real])
-    return Polygons(rows.values[real].astype(np.int64), np.concatenate(([0], np.cumsum(sizes))))
+    return Polygons(values[real], np.concatenate(([0], np.cumsum(sizes))))

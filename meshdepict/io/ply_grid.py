@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from meshdepict.errors import MeshdepictError
 from meshdepict.io.ply_header import Header
 from meshdepict.io.ply_rows import Ragged
+from meshdepict.surface.polygons import whole_numbers
 
 __all__ = ["grid_of", "grid_triangles"]
 
@@ -42,7 +43,7 @@ def grid_of(header: Header, lists: Ragged) -> Ints:
             f"into how many columns and rows its {count:,} points fall; make a mesh of it first"
         )
     index = np.full(count, -1, np.int64)
-    index[length == 1] = lists.values
+    index[length == 1] = whole_numbers(lists.values)
     return index.reshape(rows, columns)
 
 

@@ -167,8 +167,7 @@ def _cast(column: Column, kind: str) -> Column:
     if isinstance(column, Ragged):
         return Ragged(_cast(column.values, kind), column.offsets)  # type: ignore[arg-type]
     if kind[0] == "f":
-        with np.errstate(over="ignore"):  # 1e300 as a float is infinite, as in any C program
-            return column.astype(kind)
+        return column.astype(kind)  # 1e300 as a float is infinite, as in any C program
     limits = np.iinfo(kind)
     fits = (column >= limits.min) & (column <= limits.max)
     if not fits.all() or (column.dtype.kind == "f" and (column != np.rint(column)).any()):

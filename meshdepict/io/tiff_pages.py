@@ -22,6 +22,7 @@ _NAMES = {
     282: "resolution", 283: "resolution_y", 322: "tile", 339: "format",
 }  # fmt: skip
 _MOST_PAGES = 1 << 20
+_FLOATS = (5, 10, 11, 12)  # types of entries; only resolutions have them
 
 
 @dataclass
@@ -113,7 +114,8 @@ def _page(file: BinaryIO, at: int, most: int, order: str, *, is_big: bool) -> tu
     for entry in range(count):
         tag, kind = struct.unpack_from(order + "HH", table, entry * length)
         name = _NAMES.get(tag)
-        if name is None or kind not in _SIZES:
+        floats = kind in _FLOATS and not str(name).startswith("resolution")
+        if name is None or kind not in _SIZES or floats:
             continue
         (number,) = struct.unpack_from(order + letter, table, entry * length + 4)
         needed = number * _SIZES[kind]

@@ -5,7 +5,6 @@ from __future__ import annotations
 import bz2
 import gzip
 import os
-import re
 import zlib
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -20,7 +19,7 @@ from meshdepict.errors import MeshdepictError
 from meshdepict.files.limits import check_claim
 from meshdepict.io.volume_contents import check_amount
 
-__all__ = ["GZIP", "Inflated", "numbered_names", "text_numbers", "voxels", "voxels_of_files"]
+__all__ = ["GZIP", "Inflated", "text_numbers", "voxels", "voxels_of_files"]
 
 GZIP = b"\x1f\x8b"
 
@@ -170,25 +169,3 @@ def text_numbers(
             f"is damaged: its voxels are text, and not all of it is numbers of type {kind}"
         ) from None
     return found.reshape(counts[::-1])
-
-
-def numbered_names(pattern: str, first: int, last: int, step: int, most: int) -> list[str]:
-    """Return the names that a pattern such as ``slice%03d.raw`` stands for.
-
-    Raises
-    ------
-    MeshdepictError
-        For a step of none, and for more names than `most`.
-    """
-    count = (last - first) // step + 1 if step else 0
-    if not 0 < count <= most:
-        raise MeshdepictError("is damaged: its header numbers more data files than slices")
-
-    def name(number: int) -> str:
-        def digits(match: re.Match[str]) -> str:
-            width = min(int(match[2] or 0), 99)
-            return f"{number:0{width}d}" if match[1] else f"{number:{width}d}"
-
-        return re.sub(r"%(0?)(\d*)d", digits, pattern, count=1)
-
-    return [name(first + at * step) for at in range(count)]

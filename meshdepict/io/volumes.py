@@ -13,10 +13,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from meshdepict.errors import MeshdepictError, MeshdepictWarning
+from meshdepict.files.any_numbers import any_numbers
 from meshdepict.files.reach import regular
 from meshdepict.io.dicom_elements import looks_like_dicom
 from meshdepict.io.volume_contents import VolumeContents
-from meshdepict.voxels.volume_input import checked_values, three_numbers
+from meshdepict.io.volume_place import place
 
 if TYPE_CHECKING:
     from meshdepict.shapes.volume import Volume
@@ -114,9 +115,10 @@ def read_volume(
         kind = _kind(path)
         if series is not None and kind != "dicom":
             raise MeshdepictError("is no DICOM, so that there is no series to choose")
-        contents = _contents(path, kind, series, tilt)
-        _place(contents, spacing, kind, tilt)
-        volume = _volume(contents, slope, intercept)
+        with any_numbers():
+            contents = _contents(path, kind, series, tilt)
+            place(contents, spacing, kind, tilt)
+            volume = _volume(contents, slope, intercept)
     except MeshdepictError as error:
         text = str(error)
         joint = " " if text.split(" ", 1)[0] in _VERBS else ": "
@@ -130,52 +132,6 @@ def read_volume(
     if contents.notes:
         warnings.warn(f"{path}: {'; '.join(contents.notes)}", MeshdepictWarning, stacklevel=2)
     return volume
-
-
-def _place(contents: VolumeContents, spacing: ArrayLike | None, kind: str, tilt: str) -> None:
-    """Bring a file's place to the keywords of `Volume`."""
-    place = contents.place
-    if spacing is not None:
-        if kind not in _UNPLACED and not {"spacing", "steps"}.isdisjoint(place):
-            raise MeshdepictError("says its spacing itself: leave spacing= out")
-        place["spacing"] = spacing
-        contents.length_unit = "" if kind in _UNPLACED else contents.length_unit
-    elif "steps" in place:
-        _straighten(contents, tilt)
-    elif "spacing" not in place:
-        contents.notes.append("no spacing is given, taken as 1 along every axis (spacing=)")
-
-
-def _straighten(contents: VolumeContents, tilt: str) -> None:
-    """Turn the steps from voxel to voxel into spacing and direction, of a tilted grid resampled."""
-    from meshdepict.io.tilt import straightened, tilt_of
-
-    place = contents.place
-    steps = np.asarray(place.pop("steps"), np.float64)
-    with np.errstate(over="ignore", invalid="ignore"):
-        lengths = np.linalg.norm(steps, axis=0)
-    if not np.isfinite(lengths).all():
-        raise MeshdepictError("says distances of its voxels that are not finite")
-    place["spacing"] = lengths
-    place["direction"] = steps / np.where(lengths > 0, lengths, 1.0)
-    if not (lengths > 0).all():
-        place["direction"] = np.eye(3)  # `Volume` refuses the spacing
-    angle = tilt_of(steps)
-    if not angle:  # straight, or sheared in its slices, which `Volume` refuses
-        return
-    if tilt == "refuse":
-        raise MeshdepictError(
-            f"has slices that lie obliquely on each other, by {angle:.3g}°: resample it first, or "
-            "leave that to --tilt resample"
-        )
-    values = checked_values(contents.values)
-    origin = three_numbers(place.get("origin", (0, 0, 0)), "origin")
-    contents.values, found = straightened(values, steps, origin, float(values.min()))
-    place |= found
-    contents.notes.append(
-        f"its slices lie obliquely on each other, by {angle:.3g}°, and are resampled to a straight "
-        "grid (--tilt refuse)"
-    )
 
 
 def _volume(contents: VolumeContents, slope: float | None, intercept: float | None) -> Volume:
@@ -200,8 +156,6 @@ def _volume(contents: VolumeContents, slope: float | None, intercept: float | No
             )
     return volume
 
-
-_UNPLACED = ("tiff", "images", "npy")  # formats without a place, or with one that few write
 
 _VERBS = (
     "is",

@@ -97,7 +97,10 @@ def _values(
             raise MeshdepictError(f"{_WRONG}: an array has {printable(parts)[:20]!r} components")
         raise several_values(int(parts))
     shape = [int(n) for n in np.maximum(extent[:, 1] - extent[:, 0] + (0 if at_cells else 1), 1)]
-    return file.array(found[0], math.prod(shape)).reshape(shape[::-1])
+    values = file.array(found[0], math.prod(shape))
+    if len(values) > math.prod(shape):
+        raise MeshdepictError(f"{_WRONG}: an array holds more values than its header claims")
+    return values.reshape(shape[::-1])
 
 
 def _together(
@@ -146,8 +149,7 @@ def _field(file: VtkXml, image: Element, name: str) -> str:
     for data in (*image.all("FieldData"), *file.root.all("FieldData")):
         for array in (*data.all("Array"), *data.all("DataArray")):
             if array.attributes.get("Name") == name and array.attributes.get("type") == "String":
-                letters = file.array(array).astype(np.uint8).tobytes()[:1000]
-                return letters.partition(b"\0")[0].decode("utf-8", "replace")
+                return file.words(array, 1)[0][:1000]
     return ""
 
 

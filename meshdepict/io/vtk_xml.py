@@ -1,17 +1,13 @@
-"""VTK's XML files, read without VTK, which believes whatever counts and places a file claims.
+"""VTK's XML files taken apart without VTK, which believes every count, extent and offset.
 
-Elements become a small tree; arrays are decoded from text, base64 or the appended data, and never
-to more than the file's allowance.
+No entities, no deep nesting: what a stranger's XML can do to a parser ends here. What arrays claim
+is compared with what they hold where they are decoded (`vtk_arrays`), before memory is allocated.
 """
 
 from __future__ import annotations
 
-import base64
-import binascii
-import lzma
 import re
-import struct
-import zlib
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 from xml.parsers import expat
@@ -21,39 +17,53 @@ from numpy.typing import NDArray
 
 from meshdepict.errors import MeshdepictError
 from meshdepict.files.limits import check_claim
+from meshdepict.io.vtk_arrays import Coding, decoded
+from meshdepict.io.vtk_packed import COMPRESSORS
 
-__all__ = ["Element", "VtkXml", "parse_vtk"]
+__all__ = ["WRONG", "Element", "VtkXml", "natural", "parse_vtk", "whole_numbers"]
 
-_DEEPEST = 32
+WRONG = "is cut off or wrong as VTK's XML"
+
+_DEEPEST = 20  # VTK's own files have six levels
 _MOST = 1 << 18  # elements; a file has a few for each array
-_TYPES = {
-    "Int8": "i1", "UInt8": "u1", "Int16": "i2", "UInt16": "u2", "Int32": "i4", "UInt32": "u4",
-    "Int64": "i8", "UInt64": "u8", "Float32": "f4", "Float64": "f8", "String": "i1",
-}  # fmt: skip
-_WRONG = "is cut off or wrong as VTK's XML"
+_MOST_PARTS = 1000  # components of a value
+_APPENDED = b"<AppendedData"
+_HEADERS = {"UInt32": "I", "UInt64": "Q"}
+_ARRAYS = ("DataArray", "Array")
 
 
 @dataclass
 class Element:
-    """An element with its attributes, text and children."""
+    """An element with its attributes and children; only of arrays the text is kept."""
 
     name: str
-    attributes: dict[str, str]
+    attributes: Mapping[str, str]
     children: list[Element] = field(default_factory=list)
     parts: list[str] = field(default_factory=list)
+    role: str = ""  # the element round it: "Points", "PointData", "Polys", …
 
-    @property
-    def text(self) -> str:
-        """What is written in the element itself."""
-        return "".join(self.parts)
-
-    def all(self, name: str) -> list[Element]:
-        """Return the children of a name."""
-        return [child for child in self.children if child.name == name]
+    def all(self, *names: str) -> list[Element]:
+        """Return the children of some names."""
+        return [child for child in self.children if child.name in names]
 
     def first(self, name: str) -> Element:
         """Return the first child of a name, an empty element where there is none."""
         return next((child for child in self.children if child.name == name), Element(name, {}))
+
+    def arrays(self) -> list[Element]:
+        """Return the arrays in it."""
+        return self.all(*_ARRAYS)
+
+    def components(self) -> int:
+        """Return how many numbers each of an array's values has."""
+        count = natural(self, "NumberOfComponents", 1)
+        if count > _MOST_PARTS:
+            raise MeshdepictError(f"claims impossible components of its array {self.called()!r}")
+        return max(count, 1)
+
+    def called(self) -> str:
+        """Return an array's name, for sentences."""
+        return self.attributes.get("Name", self.role)[:40]
 
 
 @dataclass
@@ -65,255 +75,159 @@ class VtkXml:
     root : Element
     kind : str
         Of data, such as "ImageData".
+    coding : Coding
+        How arrays are written.
     size : int
-        Of the file, in bytes.
-    appended : bytes-like
-        Data behind the tree, as they are or in base64.
+        Of the file, in bytes: memory is bounded by it.
     """
 
     root: Element
     kind: str
+    coding: Coding
     size: int
-    appended: Any
-    in_base64: bool
-    order: str
-    header: str
-    compressor: str
+    _claimed: int = 0
 
     def array(self, element: Element, count: int | None = None) -> NDArray[Any]:
-        """Return an array's numbers, flat.
+        """Return an array's numbers, flat, in the machine's order of bytes; bits as 0 and 1.
 
         Parameters
         ----------
         element : Element
             A ``DataArray`` or ``Array``.
         count : int, optional
-            How many there have to be.
+            How many there have to be at least.
 
         Raises
         ------
         MeshdepictError
-            For damaged data, another type or count, and more than a file of its size may hold.
+            For damaged data, an unknown type, fewer numbers, and more than a file of its size may
+            hold: one clause whose subject is the file.
         """
-        name = element.attributes.get("type", "")
-        if name not in _TYPES:
-            raise MeshdepictError(f"{_WRONG}: it has an array of the unknown type {name[:20]!r}")
-        kind = np.dtype(_TYPES[name]).newbyteorder(self.order)  # type: ignore[arg-type]
-        if count is not None:
-            check_claim(count * kind.itemsize, self.size, "values")
-        how = element.attributes.get("format", "ascii")
-        try:
-            if how == "ascii":
-                found = self._ascii(element.text, kind)
-            elif how == "binary":
-                found = np.frombuffer(self._inline(element.text), kind)
-            elif how == "appended":
-                found = np.frombuffer(self._behind(element.attributes.get("offset", "")), kind)
-            else:
-                raise ValueError(f"an array in the unknown format {how[:20]!r}")
-        except (ValueError, OverflowError, struct.error, zlib.error, lzma.LZMAError,
-                binascii.Error, EOFError) as error:  # fmt: skip
-            text = str(error)[:100]
-            raise MeshdepictError(f"{_WRONG}: {text or 'an array ends too early'}") from error
-        if count is not None and len(found) != count:
-            short = "fewer" if len(found) < count else "more"
-            raise MeshdepictError(f"{_WRONG}: an array holds {short} values than its header claims")
+
+        def claim(needed: int) -> None:
+            check_claim(self._claimed + needed, self.size, "values")
+
+        name, text = element.called(), "".join(element.parts)
+        found = decoded(self.coding, element.attributes, name, text, count, claim)
+        self._claimed += found.nbytes
+        if count is not None and len(found) < count:
+            raise MeshdepictError(
+                f"is cut off or wrong: its array {name!r} claims more values than it holds"
+            )
         return found
 
-    def _ascii(self, text: str, kind: np.dtype[Any]) -> NDArray[Any]:
-        words = text.split()
-        number: Any = int if kind.kind in "iu" else float
-        return np.fromiter(map(number, words), kind.newbyteorder("="), len(words))
-
-    def _inline(self, text: str) -> bytes:
-        packed = "".join(text.split()).encode("ascii")
-        return self._blocks(_Base64(packed))
-
-    def _behind(self, offset: str) -> bytes:
-        if not re.fullmatch(r"\d{1,18}", offset) or int(offset) >= len(self.appended):
-            raise ValueError("an array begins beyond the file's end")
-        at = int(offset)
-        if self.in_base64:
-            return self._blocks(_Base64(self.appended[at:]))
-        return self._blocks(_Plain(self.appended, at))
-
-    def _blocks(self, source: Any) -> bytes:
-        """Return an array's bytes: in one piece, or in blocks that are each compressed."""
-        width = struct.calcsize(self.header)
-        if not self.compressor:
-            (length,) = struct.unpack(self.order + self.header, source.take(width))
-            return bytes(source.take(length))
-        start = source.take(3 * width, part=True)
-        blocks, each, last = struct.unpack(f"{self.order}3{self.header}", start)
-        if blocks * width > self.size or (blocks and not each):
-            raise ValueError("an array has more blocks than the file can hold")
-        if not blocks:
-            return b""
-        total = (blocks - 1) * each + (last or each)
-        check_claim(total, self.size, "values")
-        lengths = struct.unpack(f"{self.order}{blocks}{self.header}", source.take(blocks * width))
-        source.next_stream()
-        found = bytearray()
-        for at, length in enumerate(lengths):
-            wanted = (last or each) if at == blocks - 1 else each
-            part = _inflated(self.compressor, source.take(length), wanted)
-            if len(part) != wanted:
-                raise ValueError("a compressed block is damaged")
-            found += part
-        return bytes(found)
+    def words(self, element: Element, count: int) -> list[str]:
+        """Return so many texts of an array of them, each ended by a 0."""
+        letters = self.array(element).astype(np.uint8).tobytes()
+        if letters.count(b"\0") < count:
+            raise MeshdepictError(
+                f"is cut off or wrong: its array {element.called()!r} claims more values than it "
+                "holds"
+            )
+        return [part.decode("utf-8", "replace") for part in letters.split(b"\0")[:count]]
 
 
-class _Plain:
-    """Bytes that are taken one after the other."""
-
-    def __init__(self, data: Any, at: int) -> None:
-        self._data, self._at = data, at
-
-    def take(self, count: int, *, part: bool = False) -> Any:
-        """Return the next bytes."""
-        found = self._data[self._at : self._at + count]
-        if len(found) < count:
-            raise EOFError
-        self._at += count
-        return found
-
-    def next_stream(self) -> None:
-        """Go on behind the header."""
+def natural(element: Element, name: str, default: int | None = None) -> int:
+    """Return an attribute that counts something, 0 or `default` where it is missing."""
+    number = whole_numbers(element.attributes.get(name, str(default or 0)), name, 1)[0]
+    if number < 0:
+        raise MeshdepictError(f"is wrong as VTK's XML: {name}={number}")
+    return number
 
 
-class _Base64:
-    """The same in base64, where header and blocks are padded each by itself."""
+def whole_numbers(text: str, name: str, count: int) -> list[int]:
+    """Return so many whole numbers that an attribute holds.
 
-    def __init__(self, text: Any) -> None:
-        self._text, self._at, self._bytes = text, 0, b""
-
-    def take(self, count: int, *, part: bool = False) -> bytes:
-        """Return the next bytes; `part`: more of the same stream follow."""
-        missing = count - len(self._bytes)
-        if missing > 0:
-            letters = -(-missing // 3) * 4
-            more = base64.b64decode(self._text[self._at : self._at + letters], validate=True)
-            self._at += letters
-            self._bytes += more
-        found, self._bytes = self._bytes[:count], self._bytes[count:]
-        if len(found) < count:
-            raise EOFError
-        return found
-
-    def next_stream(self) -> None:
-        """Go on behind the header and its padding."""
-        self._bytes = b""
-
-
-def _inflated(compressor: str, data: Any, wanted: int) -> bytes:
-    if compressor == "vtkZLibDataCompressor":
-        unpacking = zlib.decompressobj()
-        found = unpacking.decompress(bytes(data), wanted + 1)  # one more: then its sum is checked
-        return found if unpacking.eof else b""
-    if compressor == "vtkLZMADataCompressor":
-        return lzma.LZMADecompressor().decompress(bytes(data), wanted + 1)
-    if compressor == "vtkLZ4DataCompressor":
-        return _unpacked_lz4(bytes(data), wanted)
-    raise ValueError(f"it is compressed by the unknown {compressor[:40]!r}")
-
-
-def _unpacked_lz4(data: bytes, wanted: int) -> bytes:
-    """Return an LZ4 block's contents: literals, and copies of what came before."""
-    found, at = bytearray(), 0
-
-    def more(count: int) -> int:
-        nonlocal at
-        while count >= 15 and at < len(data):
-            count += data[at]
-            at += 1
-            if data[at - 1] < 255:
-                break
-        return count
-
-    while at < len(data):
-        token = data[at]
-        at += 1
-        literals = more(token >> 4)
-        found += data[at : at + literals]
-        at += literals
-        if at >= len(data):
-            break
-        back = int.from_bytes(data[at : at + 2], "little")
-        at += 2
-        length = more(token & 15) + 4
-        if not 0 < back <= len(found) or len(found) + length > wanted:
-            raise ValueError("a compressed block is damaged")
-        first = len(found) - back
-        piece = found[first : first + length]
-        found += (piece * (length // len(piece) + 1))[:length]
-    return bytes(found)
+    Raises
+    ------
+    MeshdepictError
+        For anything else: VTK would guess.
+    """
+    words = text.split()
+    if len(words) != count or not all(re.fullmatch(r"-?\d{1,18}", word) for word in words):
+        numbers = "a whole number" if count == 1 else f"{count} whole numbers"
+        raise MeshdepictError(f"is wrong as VTK's XML: {name}={text[:40]!r} is not {numbers}")
+    return [int(word) for word in words]
 
 
 def parse_vtk(data: bytes) -> VtkXml:
-    """Return a file's tree.
+    """Return a file's tree; none of its arrays is decoded yet.
 
     Raises
     ------
     MeshdepictError
         For a file that is cut off or no XML of VTK's, with entities, or nested too deeply.
     """
-    start, appended, in_base64 = _apart(data)
-    stack: list[Element] = [Element("", {})]
-    parser = expat.ParserCreate()
-    parser.buffer_text = True
-
-    count = 0
-
-    def open_(name: str, attributes: dict[str, str]) -> None:
-        nonlocal count
-        count += 1
-        if len(stack) > _DEEPEST or count > _MOST:
-            what = "are too many" if count > _MOST else f"nest deeper than {_DEEPEST}"
-            raise MeshdepictError(f"{_WRONG}: its elements {what}")
-        element = Element(name, attributes)
-        stack[-1].children.append(element)
-        stack.append(element)
-
-    def close(_: str) -> None:
-        stack.pop()
-
-    def text(part: str) -> None:
-        stack[-1].parts.append(part)
-
-    def refuse(*_: Any) -> None:
-        raise MeshdepictError(f"{_WRONG}: it declares entities, and no honest file does")
-
-    parser.StartElementHandler, parser.EndElementHandler = open_, close
-    parser.CharacterDataHandler = text
-    parser.EntityDeclHandler = parser.StartDoctypeDeclHandler = refuse
-    try:
-        parser.Parse(start, True)  # noqa: FBT003
-    except expat.ExpatError as error:
-        raise MeshdepictError(f"{_WRONG}: {expat.ErrorString(error.code)}") from error
-    except (ValueError, LookupError) as error:  # an encoding that nobody knows
-        if isinstance(error, MeshdepictError):
-            raise
-        raise MeshdepictError(f"{_WRONG}: {error}") from error
-    root = stack[0].first("VTKFile")
-    if not stack[0].children or root.name != "VTKFile" or not root.attributes:
-        raise MeshdepictError(f"{_WRONG}: it has no element VTKFile")
+    at = data.find(_APPENDED)
+    end = len(data) if at < 0 else data.find(b">", at) + 1
+    if end == 0:
+        raise MeshdepictError("is cut off in its XML: <AppendedData is not complete")
+    tree = _Tree()
+    tree.read(data[:end], final=at < 0)
+    root = tree.stack[0].first("VTKFile")
     order = ">" if root.attributes.get("byte_order") == "BigEndian" else "<"
-    header = "Q" if root.attributes.get("header_type") == "UInt64" else "I"
-    return VtkXml(
-        root, root.attributes.get("type", ""), len(data), appended, in_base64, order, header,
-        root.attributes.get("compressor", ""),
-    )  # fmt: skip
+    header = _HEADERS.get(root.attributes.get("header_type", "UInt32"), "I")
+    compressor = root.attributes.get("compressor", "")
+    if compressor and compressor not in COMPRESSORS:
+        raise MeshdepictError(f"is compressed by {compressor[:40]!r}, which is not known")
+    coding = Coding(order, header, compressor, len(data))
+    if at >= 0:
+        if tree.stack[-1].name != "AppendedData":
+            raise MeshdepictError("is wrong as XML: it has <AppendedData where no element can be")
+        mark, stop = data.find(b"_", end), data.rfind(b"</AppendedData>")
+        if mark < 0:
+            raise MeshdepictError("is cut off: its appended data don't begin with '_'")
+        if stop < mark:
+            raise MeshdepictError(f"{WRONG}: its appended data don't end")
+        coding.raw = tree.stack[-1].attributes.get("encoding", "base64") == "raw"
+        coding.appended = memoryview(data)[mark + 1 : stop]  # a view copies nothing
+    return VtkXml(root, root.attributes.get("type", ""), coding, len(data))
 
 
-def _apart(data: bytes) -> tuple[bytes, Any, bool]:
-    """Return the tree as XML, and the appended data, which may be no XML at all."""
-    found = re.search(rb"<AppendedData\b([^<>]*)>", data)
-    if not found:
-        return data, b"", False
-    in_base64 = b"base64" in found[1]
-    mark = data.find(b"_", found.end())
-    end = data.rfind(b"</AppendedData>")
-    if mark < 0 or end < mark:
-        raise MeshdepictError(f"{_WRONG}: its appended data don't end")
-    # Slices of a view copy nothing.
-    return data[: found.end()] + data[end:], memoryview(data)[mark + 1 : end], in_base64
+class _Tree:
+    """Expat, told to make elements and to refuse what may hurt."""
+
+    def __init__(self) -> None:
+        self.stack = [Element("", {})]
+        self._count = 0
+        parser = expat.ParserCreate()
+        parser.buffer_text = True
+        parser.StartElementHandler, parser.EndElementHandler = self._start, self._end
+        parser.CharacterDataHandler = self._characters
+        parser.EntityDeclHandler = parser.StartDoctypeDeclHandler = self._refuse
+        self._expat = parser
+
+    def read(self, data: bytes, *, final: bool) -> None:
+        try:
+            self._expat.Parse(data, final)
+        except expat.ExpatError as error:
+            vtp = self.stack[0].first("VTKFile").attributes.get("type") == "PolyData"
+            where = "is wrong as VTP: Error parsing its XML" if vtp else WRONG
+            what = expat.ErrorString(error.code)
+            raise MeshdepictError(f"{where} in line {error.lineno} ({what})") from error
+        except MeshdepictError:
+            raise
+        except (ValueError, LookupError) as error:  # an encoding that nobody knows
+            raise MeshdepictError(f"{WRONG}: {error}") from error
+
+    def _refuse(self, *_: object) -> None:
+        raise MeshdepictError("declares a document type or entities, which VTK's XML doesn't need")
+
+    def _start(self, name: str, attributes: dict[str, str]) -> None:
+        self._count += 1
+        if len(self.stack) > _DEEPEST:
+            raise MeshdepictError(f"is nested more than {_DEEPEST} levels deep, unlike VTK's XML")
+        if self._count > _MOST:
+            raise MeshdepictError(f"{WRONG}: its elements are too many")
+        if len(self.stack) == 1 and name != "VTKFile":
+            raise MeshdepictError(f"is XML, but not VTK's: it begins with <{name[:40]}>")
+        element = Element(name, attributes, role=self.stack[-1].name)
+        self.stack[-1].children.append(element)
+        self.stack.append(element)
+
+    def _end(self, name: str) -> None:
+        self.stack.pop()
+
+    def _characters(self, text: str) -> None:
+        if self.stack[-1].name in _ARRAYS:
+            self.stack[-1].parts.append(text)

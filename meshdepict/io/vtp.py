@@ -14,8 +14,9 @@ from numpy.typing import NDArray
 
 from meshdepict.errors import MeshdepictError, MeshdepictWarning
 from meshdepict.files.vtk_errors import vtk_errors
-from meshdepict.files.xml_claims import check_xml
 from meshdepict.io.ply_properties import exact_float
+from meshdepict.io.vtk_polydata import polydata
+from meshdepict.io.vtk_xml import parse_vtk
 from meshdepict.shapes.document import COLOR, Contents, Document, Saving, recolored, same_vertices
 from meshdepict.surface.polygons import Polygons, as_polygons
 
@@ -82,24 +83,15 @@ def decode(data: bytes, path: Path) -> Contents:
 
 
 def _polydata(data: bytes) -> Any:
-    from vtkmodules.vtkIOXML import vtkXMLPolyDataReader
-
     data = data.rstrip(b"\0 \t\r\n")
     if not re.search(rb"</VTKFile\s*>\Z", data[-100:]):
         raise MeshdepictError("is cut off: it doesn't end with </VTKFile>")
-    kind = check_xml(data).kind
-    if kind != "PolyData":
+    file = parse_vtk(data)
+    if file.kind != "PolyData":
         raise MeshdepictError(
-            f"holds other VTK data than PolyData ({kind[:40]!r}); extract its surface first"
+            f"holds other VTK data than PolyData ({file.kind[:40]!r}); extract its surface first"
         )
-    reader: Any = vtkXMLPolyDataReader()
-    reader.SetReadFromInputString(True)  # noqa: FBT003
-    reader.SetInputString(data)
-    with vtk_errors() as errors:
-        reader.Update()
-    if errors:
-        raise MeshdepictError(f"is wrong as VTP: {errors[0]}")
-    return reader.GetOutput()
+    return polydata(file)
 
 
 def _geometry(poly: Any) -> tuple[NDArray[Any], Polygons, NDArray[np.int64]]:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from meshdepict.errors import MeshdepictError
 
-__all__ = ["Polygons", "as_polygons", "strip_triangles", "triangulate"]
+__all__ = ["Polygons", "as_polygons", "strip_triangles", "triangulate", "whole_numbers"]
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -48,7 +48,7 @@ def as_polygons(faces: Any) -> Polygons:
         For anything but whole numbers, and for offsets that don't fit the connectivity.
     """
     if isinstance(faces, Polygons):
-        return _checked(_whole_numbers(faces.connectivity), _whole_numbers(faces.offsets))
+        return _checked(whole_numbers(faces.connectivity), whole_numbers(faces.offsets))
     try:
         table = np.asarray(faces)
         ragged = table.dtype == object
@@ -63,7 +63,7 @@ def as_polygons(faces: Any) -> Polygons:
             f"faces must be (m, 3) or (m, k) indices or a list of polygons, not shape {table.shape}"
         )
     count, size = table.shape
-    return Polygons(_whole_numbers(table).reshape(-1), np.arange(count + 1, dtype=np.int64) * size)
+    return Polygons(whole_numbers(table).reshape(-1), np.arange(count + 1, dtype=np.int64) * size)
 
 
 def _from_lists(faces: Any) -> Polygons:
@@ -72,10 +72,17 @@ def _from_lists(faces: Any) -> Polygons:
         flat = np.array(list(chain.from_iterable(faces)))
     except (TypeError, ValueError):
         raise MeshdepictError("faces must be index arrays or a list of index lists") from None
-    return Polygons(_whole_numbers(flat), np.concatenate(([0], np.cumsum(sizes))))
+    return Polygons(whole_numbers(flat), np.concatenate(([0], np.cumsum(sizes))))
 
 
-def _whole_numbers(values: Any) -> Ints:
+def whole_numbers(values: Any) -> Ints:
+    """Return indices as a new array.
+
+    Raises
+    ------
+    MeshdepictError
+        For anything but whole numbers: fractions would be cut off, and NaN become any index.
+    """
     array = np.asarray(values)
     if array.size and array.dtype.kind not in "iu":
         raise MeshdepictError(f"faces must hold whole numbers, not {array.dtype}")

@@ -10,11 +10,11 @@ from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
-from dicom_files import write_dicom
+from volume_seeds import volume_seeds
 
 import meshdepict as md
 from meshdepict.io import write_mesh
-from meshdepict.io.volumes import write_volume
+from meshdepict.io.volumes import read_volume
 
 Bytes = Callable[[bytes, np.random.Generator], bytes]
 
@@ -38,26 +38,7 @@ def seeds(folder: Path) -> dict[str, bytes]:
     found["ascii.stl"], found["binary.stl"] = _ascii_stl(ball), _binary_stl(ball)
     found["textured.obj"] = _textured_obj(ball)
     found["embedded.gltf"] = _gltf(found["ball.glb"])
-    values = (np.arange(5 * 6 * 7).reshape(5, 6, 7) ** 2 % 997).astype(np.int16)
-    volume = md.Volume(values, spacing=(1, 1.5, 2), hounsfield=True)
-    rgba = np.zeros((*values.shape, 4), np.uint8)
-    rgba[..., 1] = values % 256
-    import SimpleITK as sitk
-
-    image = sitk.GetImageFromArray(values)
-    for suffix in (".nrrd", ".mha", ".nii", ".nii.gz"):
-        path = folder / f"ct{suffix}"
-        sitk.WriteImage(image, str(path))
-        found[path.name] = path.read_bytes()
-    path = folder / "ct.vti"
-    volume.to_pyvista().save(path)
-    found[path.name] = path.read_bytes()
-    write_volume(folder / "shaded.vti", rgba, volume)
-    found["shaded.vti"] = (folder / "shaded.vti").read_bytes()
-    np.save(folder / "ct.npy", values)
-    found["ct.npy"] = (folder / "ct.npy").read_bytes()
-    frames = values.astype(np.uint16)
-    found["one.dcm"] = write_dicom(folder / "one.dcm", frames).read_bytes()
+    found |= _vtp(folder, found["quads.vtp"]) | volume_seeds(folder)
     md.save_recipe(folder / "look.toml", {"method": "exaggerated", "light": (30, 40)})
     found["look.recipe.toml"] = (folder / "look.toml").read_bytes()
     function = md.TransferFunction([(0, 0, "#102030"), (500, 0.5, (1, 0.5, 0))], name="mine")
@@ -78,7 +59,7 @@ def open_file(path: Path) -> str:
     if path.suffix == ".hdr":
         assert np.isfinite(md.Environment.from_file(path).pixels).all()
         return "environment"
-    shape = md.read(path)
+    shape = read_volume(path) if path.suffix == ".tif" else md.read(path)
     if shape.kind == "volume":
         assert np.isfinite(shape.range).all()
         return "volume"
@@ -163,9 +144,28 @@ def _gltf(glb: bytes) -> bytes:
     return json.dumps(scene, indent=1).encode()
 
 
+def _vtp(folder: Path, written: bytes) -> dict[str, bytes]:
+    """Return the same polygons with their arrays behind the tree, packed in several ways."""
+    from vtkmodules.vtkIOXML import vtkXMLPolyDataReader, vtkXMLPolyDataWriter
+
+    reader = vtkXMLPolyDataReader()
+    reader.SetReadFromInputString(True)
+    reader.SetInputString(written)
+    found = {}
+    for compressor in ("None", "ZLib", "LZ4"):
+        writer = vtkXMLPolyDataWriter()
+        writer.SetInputConnection(reader.GetOutputPort())
+        writer.SetFileName(str(folder / "a.vtp"))
+        getattr(writer, f"SetCompressorTypeTo{compressor}")()
+        writer.SetEncodeAppendedData(compressor == "ZLib")
+        writer.Write()
+        found[f"{compressor.lower()}.vtp"] = (folder / "a.vtp").read_bytes()
+    return found
+
+
 def _radiance() -> bytes:
-    pixels = np.tile(np.array([10, 20, 30, 128], np.uint8), (4, 8, 1))
-    return b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 4 +X 8\n" + pixels.tobytes()
+    pixels = np.tile(np.array([10, 20, 30, 128], np.uint8), (8, 16, 1))
+    return b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 8 +X 16\n" + pixels.tobytes()
 
 
 # --- ways to spoil ----------------------------------------------------------------------------
