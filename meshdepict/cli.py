@@ -7,9 +7,10 @@ import sys
 from collections.abc import Sequence
 from contextlib import suppress
 
-from cyclopts import App, CycloptsError, Parameter, UnknownCommandError
+from cyclopts import App, CycloptsError, Parameter
 
 import meshdepict
+from meshdepict.commands.sentences import sentence
 from meshdepict.console import FAULT, complain, notes
 from meshdepict.errors import MeshdepictError
 
@@ -22,7 +23,7 @@ app = App(
     name="meshdepict",
     help="Shade a surface so that people see its form.",
     version=lambda: str(meshdepict.__version__),
-    version_flags=["--version"],
+    version_flags=["--version", "-V"],
     help_format="plaintext",
     default_parameter=Parameter(negative=()),
 )
@@ -30,21 +31,31 @@ app = App(
 # By name, so that a command loads its own modules and no other's.
 _COMMANDS = {
     "bake": "[INPUT...] [OPTIONS]",
-    "methods": "[NAME...]",
-    "info": "INPUT...",
-    "view": "INPUT [OPTIONS]",
-    "movie": "INPUT [OPTIONS]",
+    "view": "[INPUT] [OPTIONS]",
     "compare": "[INPUT] [OPTIONS]",
     "volume": "[CT] [OPTIONS]",
+    "movie": "[INPUT] [OPTIONS]",
+    "info": "INPUT...",
+    "methods": "[NAME...]",
 }
-for _name, _words in _COMMANDS.items():
-    _usage = f"Usage: meshdepict {_name} {_words}"
-    app.command(f"meshdepict.commands.{_name}:{_name}", name=_name, usage=_usage)
+for _place, (_name, _words) in enumerate(_COMMANDS.items()):
+    app.command(
+        f"meshdepict.commands.{_name}:{_name}", name=_name, sort_key=_place,
+        usage=f"Usage: meshdepict {_name} {_words}",
+    )  # fmt: skip
+app.register_install_completion_command(
+    help="Let the shell complete commands and options.", version_flags=[]
+)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line and return its exit status: 0, or 2 for wrong input."""
     words = tuple(sys.argv[1:] if arguments is None else arguments)
+    if words[:1] == ("help",):
+        words = (*words[1:2], "--help")
+    if words[:1] in ((), ("--help",), ("-h",)):
+        for name in _COMMANDS:
+            app[name]  # loaded, so that the list has each one's line
     for stream in (sys.stdout, sys.stderr):
         if hasattr(stream, "reconfigure"):  # a file's name may be beyond the terminal's letters
             stream.reconfigure(errors="replace")
@@ -59,7 +70,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except MeshdepictError as error:
         complain(error)
     except CycloptsError as error:
-        complain(_sentence(error, words))
+        complain(sentence(error, words))
     except KeyboardInterrupt:
         complain("interrupted; no file was left half-written")
         return _INTERRUPTED
@@ -86,16 +97,3 @@ def _close_stdout() -> None:
         except (AttributeError, OSError, ValueError):
             with suppress(AttributeError, OSError, ValueError):
                 os.dup2(nowhere, stream.fileno())
-
-
-def _sentence(error: CycloptsError, words: Sequence[str]) -> str:
-    """Return what is wrong with a command line, and where help is."""
-    if isinstance(error, UnknownCommandError):
-        word = words[0]
-        if word.startswith("-"):
-            return f"unknown option {word}: options follow the command (see meshdepict --help)"
-        if os.path.exists(word):
-            return f"no command is called {word!r}; did you mean: meshdepict bake {word}"
-    text = str(error).strip().rstrip(".")
-    command = " ".join(("meshdepict", *(error.command_chain or ())))
-    return f"{text[:1].lower()}{text[1:]} (see {command} --help)"

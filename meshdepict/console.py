@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
+import re
 import sys
 import threading
 import warnings
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from meshdepict.errors import MeshdepictWarning, printable
 
-__all__ = ["FAULT", "about", "complain", "notes", "progress_bar", "say"]
+__all__ = ["FAULT", "Heard", "about", "complain", "notes", "progress_bar", "say"]
 
 FAULT = 2  # exit status of wrong input
+_FIGURES = re.compile(r"\d[\d.,]*(?:e[+-]?\d+)?%?")
 _PATIENCE = 0.5  # seconds without a sign of life
 
 
@@ -37,11 +39,39 @@ def about(path: Path | None, message: object) -> str:
     return text if named else f"{path}: {text}"
 
 
+class Heard:
+    """Notes of a batch: what one file's note said is only counted for the others.
+
+    Figures may differ: "12 vertices" and "7 vertices" are one note.
+    """
+
+    def __init__(self) -> None:
+        self._files: dict[str, list[str]] = {}  # by what is said, figures left out
+
+    def fresh(self, path: Path | None, messages: Iterable[str]) -> list[str]:
+        """Return the messages that no earlier file had."""
+        new = []
+        for message in messages:
+            files = self._files.setdefault(_FIGURES.sub("#", _after(path, message)), [])
+            files.append(_after(path, message))
+            if len(files) == 1:
+                new.append(message)
+        return new
+
+    def tell(self) -> None:
+        """Say of how many files more each note was true."""
+        for first, *others in self._files.values():
+            if others:
+                many = "1 more file" if len(others) == 1 else f"{len(others):,} more files"
+                complain(f"note: of {many}, too: {first}")
+
+
 @contextmanager
-def notes(path: Path | None = None, *, quiet: bool) -> Iterator[None]:
+def notes(path: Path | None = None, *, quiet: bool, heard: Heard | None = None) -> Iterator[None]:
     """Print this package's warnings, those about one file as one line, and none of other packages.
 
     What is about a file waits for the end of the work on it; without a path each is shown at once.
+    What was `heard` about another file of a batch is left to its end.
     """
     waiting: dict[str, None] = {}  # in order, each once
 
@@ -59,8 +89,9 @@ def notes(path: Path | None = None, *, quiet: bool) -> Iterator[None]:
             warnings.showwarning = show
             yield
     finally:
-        if waiting:
-            first, *others = waiting
+        said = list(waiting) if heard is None else heard.fresh(path, waiting)
+        if said:
+            first, *others = said
             complain("; ".join([f"note: {about(path, first)}", *(_after(path, o) for o in others)]))
 
 

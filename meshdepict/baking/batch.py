@@ -20,7 +20,7 @@ from meshdepict.baking.look import Look
 from meshdepict.baking.refinement import worth_refining
 from meshdepict.baking.surfaces import bake_surface
 from meshdepict.baking.targets import check_target, identities
-from meshdepict.console import about, complain, notes, progress_bar, say
+from meshdepict.console import Heard, about, complain, notes, progress_bar, say
 from meshdepict.drawing.figure import Figure
 from meshdepict.drawing.framing import check_scale, frame
 from meshdepict.drawing.picture import check_picture, save_picture
@@ -112,10 +112,10 @@ class Batch:
                     )
             except MeshdepictError as error:
                 complain(error)
-        done = 0
+        done, heard = 0, Heard()
         for job in jobs.values():
             try:
-                line = self._bake(job)
+                line = self._bake(job, heard)
             except MeshdepictError as error:
                 complain(about(job.source, error))
             except MemoryError:
@@ -126,6 +126,7 @@ class Batch:
             else:
                 say(line)
                 done += 1
+        heard.tell()
         if len(sources) > 1 and not self.quiet:
             complain(f"{done} of {len(sources)} baked")
         return len(sources) - done
@@ -154,11 +155,14 @@ class Batch:
         """Refuse what is too large for its picture, before the long work."""
         frame(self.look.eye(mesh), mesh, self.figure)
 
-    def _bake(self, job: Job) -> str:
+    def _bake(self, job: Job, heard: Heard) -> str:
         """Bake one mesh, write the files and return the line about it."""
         start = time.perf_counter()
         label = job.source.name if job.source else _GOLF_BALL
-        with notes(job.source, quiet=self.quiet), progress_bar(label, quiet=self.quiet) as progress:
+        with (
+            notes(job.source, quiet=self.quiet, heard=heard),
+            progress_bar(label, quiet=self.quiet) as progress,
+        ):
             mesh = self._read(job.source)
             if self.fix_winding:
                 mesh = mesh.rewound()

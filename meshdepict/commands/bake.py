@@ -30,7 +30,9 @@ def bake(
     figure: FigureWords,
     everywhere: Everywhere,
 ) -> int:
-    """Shade meshes and write the colours into files. Without INPUT: the built-in golf ball.
+    """Shade meshes and write the colours into files.
+
+    Without INPUT: the built-in golf ball.
 
     Parameters
     ----------

@@ -40,7 +40,9 @@ def compare(
     winding: Annotated[Literal["auto", "keep"], Parameter(group=FILES)] = "auto",
     everywhere: Everywhere,
 ) -> None:
-    """Compare methods under many lights: a sheet of pictures, and how well each follows the shape.
+    """Compare methods under many lights on one sheet.
+
+    Scores say how well each picture follows the shape. Without INPUT: the built-in golf ball.
 
     Parameters
     ----------

@@ -19,7 +19,7 @@ def info(
     *inputs: Annotated[Path, Parameter(name="INPUT")],
     everywhere: Everywhere,
 ) -> int:
-    """Count what a mesh or a volume has, its defects too, and say how long a bake will take.
+    """Say what is in a file, and what a bake of it costs.
 
     Parameters
     ----------

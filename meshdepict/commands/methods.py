@@ -17,7 +17,7 @@ def methods(
     *names: Annotated[str, Parameter(name="NAME")],
     everywhere: Everywhere,
 ) -> None:
-    """List the shading methods, or one method's options with their ranges.
+    """List the shading methods, or the options of some.
 
     Parameters
     ----------

@@ -25,7 +25,7 @@ __all__ = ["movie"]
 
 @takes_words(without=("colormap2d", "albedo", "refine", "transfer"))
 def movie(
-    source: Annotated[Path, Parameter(name="INPUT")],
+    source: Annotated[Path | None, Parameter(name="INPUT")] = None,
     /,
     *,
     output: Annotated[str, Parameter(name=["--output", "-o"], group=FILES)],
@@ -39,7 +39,9 @@ def movie(
     figure: FigureWords,
     everywhere: Everywhere,
 ) -> None:
-    """Turn the light or the object once, and write what is seen as a movie that loops.
+    """Film a light or an object that turns once.
+
+    The movie loops. Without INPUT: the built-in golf ball.
 
     Parameters
     ----------
@@ -60,9 +62,11 @@ def movie(
     fps
         Frames per second.
     """
+    from meshdepict.baking.batch import stem
     from meshdepict.baking.targets import check_target, identities
     from meshdepict.console import notes, progress_bar, say
     from meshdepict.drawing.movie import check_movie, save_movie
+    from meshdepict.shapes import samples
     from meshdepict.viewer.session import Session, refuse_unshown
 
     start = time.perf_counter()
@@ -77,10 +81,11 @@ def movie(
     }  # fmt: skip
     count = check_movie(output, **motion)
     check_target(Path(output), force=force, inputs=identities([source]))
-    if not os.path.exists(source):
+    if source is not None and not os.path.exists(source):
         raise MeshdepictError(f"{source}: there is no such file")
-    with notes(source, quiet=quiet), progress_bar(source.name, quiet=quiet) as progress:
-        session = Session(source, wanted.function, progress=progress, **wanted.words())
+    with notes(source, quiet=quiet), progress_bar(stem(source), quiet=quiet) as progress:
+        shape = samples.golf_ball() if source is None else source
+        session = Session(shape, wanted.function, progress=progress, **wanted.words())
         save_movie(session, output, progress=progress, **motion)
     taken = time.perf_counter() - start
     say(f"{output}: {wanted.method}, {turn} turning, {count} frames, {taken:.1f} s")

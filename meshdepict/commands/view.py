@@ -34,9 +34,11 @@ def view(
     everywhere: Everywhere,
     given: Annotated[frozenset[str], Parameter(parse=False)] = frozenset(),
 ) -> int:
-    """Look at a mesh or CT under a light that moves. Without INPUT: the built-in golf ball.
+    """Look at a mesh or CT under a light that moves.
 
-    Drag turns the object, Ctrl+drag or right drag the light; h shows the keys.
+    Without INPUT: the built-in golf ball. Drag turns the object, right drag the light.
+
+    h shows the keys.
 
     Parameters
     ----------

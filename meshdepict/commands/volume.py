@@ -53,7 +53,9 @@ def volume(
     figure: FigureWords,
     everywhere: Everywhere,
 ) -> None:
-    """Shade the voxels of a CT that a transfer function shows. Without CT: the built-in phantom.
+    """Shade the voxels of a CT and write a picture.
+
+    A transfer function says which are shown. Without CT: the built-in phantom.
 
     Parameters
     ----------

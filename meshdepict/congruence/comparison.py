@@ -19,7 +19,7 @@ from meshdepict.options import as_text, check, options_of
 from meshdepict.scales.ladder import FACING, TOLERANCE, Progress
 from meshdepict.scales.making import scale_space
 from meshdepict.scene.light import Light
-from meshdepict.scene.names import as_light
+from meshdepict.scene.names import as_light, light_angles
 from meshdepict.scene.view import View
 from meshdepict.shading.method import declaration
 from meshdepict.shading.registry import METHODS, find_method
@@ -28,7 +28,7 @@ from meshdepict.shapes.gbuffer import GBuffer
 if TYPE_CHECKING:
     from meshdepict.shapes.mesh import Mesh
 
-__all__ = ["Comparison", "compare", "light_name", "options_text", "usual_methods"]
+__all__ = ["Comparison", "compare", "options_text", "usual_methods"]
 
 Shading = Callable[..., Any]
 
@@ -75,9 +75,26 @@ class Comparison:
         """Number of the light under which the first method scores least."""
         return int(np.argmin(self.scores[0]))
 
+    @property
+    def light_names(self) -> list[str]:
+        """A short name for each light: its own, or its number."""
+        return [light_name(light, i) for i, light in enumerate(self.lights, start=1)]
+
+    @property
+    def angles(self) -> list[tuple[float, float]]:
+        """Azimuth and elevation of each light in degrees, in the view's frame."""
+        return [light_angles(light, self.view) for light in self.lights]
+
     def table(self) -> list[list[str]]:
-        """Return rows of texts: a heading, a row per method with its mean and every score."""
-        heading = ["method", "mean", *(light_name(light) for light in self.lights)]
+        """Return rows of texts: a heading, a row per method with its mean and every score.
+
+        The heading names the lights, with azimuth and elevation in the view's frame.
+        """
+        names = [
+            f"{name} (azimuth {azimuth:.0f} elevation {elevation:.0f})"
+            for name, (azimuth, elevation) in zip(self.light_names, self.angles, strict=True)
+        ]
+        heading = ["method", "mean", *names]
         rows = [
             [name, *(f"{value:.3f}" for value in (mean, *scores))]
             for name, mean, scores in zip(self.methods, self.means, self.scores, strict=True)
@@ -195,9 +212,11 @@ def usual_methods() -> tuple[str, ...]:
     return tuple(sorted(names, key=lambda name: found[name].scales))
 
 
-def light_name(light: Light) -> str:
-    """Return a short name for a column."""
-    return light.name or " ".join(f"{x:.2g}" for x in light.direction)
+def light_name(light: Light, number: int) -> str:
+    """Return a short name for a column; what has angles for a name, or none, gets a number."""
+    if not light.name or light.name.startswith("azimuth "):
+        return f"#{number}"
+    return light.name
 
 
 def options_text(options: Mapping[str, Any]) -> str:

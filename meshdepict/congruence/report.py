@@ -6,12 +6,13 @@ import base64
 import csv
 import html
 import io
+from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from meshdepict.congruence.comparison import Comparison, light_name, options_text
+from meshdepict.congruence.comparison import Comparison, options_text
 from meshdepict.errors import MeshdepictError
 from meshdepict.files.atomic import atomic_write
 from meshdepict.files.mark import SOFTWARE, VERSION
@@ -22,7 +23,7 @@ if TYPE_CHECKING:
 __all__ = ["contact_sheet", "save_page", "save_sheet", "save_table", "score_plot"]
 
 _MARGIN = 8
-_WIDEST = 16_000  # pixels: beyond it many programs give up on a PNG
+_READABLE = 1600  # pixels: a screen's width
 # Distinct for colour-blind eyes too (Okabe and Ito 2008).
 _COLORS = ("#000000", "#E69F00", "#56B4E9", "#009E73", "#D55E00", "#CC79A7", "#0072B2", "#999999")
 
@@ -30,37 +31,47 @@ _COLORS = ("#000000", "#E69F00", "#56B4E9", "#009E73", "#D55E00", "#CC79A7", "#0
 def contact_sheet(found: Comparison, *, cell: int = 200) -> Image:
     """Return a picture with a row per method and a column per light, scores under each.
 
+    Where the lights don't fit side by side, further blocks of rows follow.
+
     Parameters
     ----------
     found : Comparison
     cell : int
-        Width of a picture on the sheet, in pixels; less where the sheet would get too wide.
+        Width of a picture on the sheet, in pixels.
     """
     from PIL import Image, ImageDraw, ImageFont
 
-    rows, columns, height, width = found.pictures.shape[:4]
-    cell = max(16, min(cell, width, (_WIDEST - 200) // columns - _MARGIN))
+    methods, lights, height, width = found.pictures.shape[:4]
+    cell = max(16, min(cell, width))
     high = max(1, round(cell * height / width))
     small, large = (ImageFont.load_default(size=max(9, cell // n)) for n in (13, 10))
     text = max(14, cell // 8)
     left = max(int(large.getlength(name)) for name in found.methods) + 2 * _MARGIN
-    page = Image.new(
-        "RGB", (left + columns * (cell + _MARGIN), text + rows * (high + text + _MARGIN)), "white"
-    )
+    most = max(1, (_READABLE - left) // (cell + _MARGIN))
+    columns = -(-lights // -(-lights // most))  # as many in each block, but for the last
+    head, row = 2 * text, high + text + _MARGIN
+    block = head + methods * row + _MARGIN
+    size = left + columns * (cell + _MARGIN), -(-lights // columns) * block
+    page = Image.new("RGB", size, "white")
     draw = ImageDraw.Draw(page)
-    for column, light in enumerate(found.lights):
-        x = left + column * (cell + _MARGIN) + cell / 2
-        draw.text((x, text / 2), light_name(light), "black", small, anchor="mm")
-    for row, name in enumerate(found.methods):
-        y = text + row * (high + text + _MARGIN)
-        draw.text((_MARGIN, y + high / 2), name, "black", large, anchor="lm")
-        mean = f"mean {found.means[row]:.3f}"
-        draw.text((_MARGIN, y + high / 2 + text), mean, "black", small, anchor="lm")
-        for column in range(columns):
-            x = left + column * (cell + _MARGIN)
-            image = Image.fromarray(found.pictures[row, column])
+    for top in range(0, size[1], block):
+        for i, name in enumerate(found.methods):
+            y = top + head + i * row + high / 2
+            draw.text((_MARGIN, y), name, "black", large, anchor="lm")
+            mean = f"mean {found.means[i]:.3f}"
+            draw.text((_MARGIN, y + text), mean, "black", small, anchor="lm")
+    for light, (name, (azimuth, elevation)) in enumerate(
+        zip(found.light_names, found.angles, strict=True)
+    ):
+        top, x = light // columns * block, left + light % columns * (cell + _MARGIN)
+        draw.text((x + cell / 2, top + text / 2), name, "black", small, anchor="mm")
+        angles = f"azimuth {azimuth:.0f}°, elevation {elevation:.0f}°"
+        draw.text((x + cell / 2, top + 3 * text / 2), angles, "#555555", small, anchor="mm")
+        for i in range(methods):
+            y = top + head + i * row
+            image = Image.fromarray(found.pictures[i, light])
             page.paste(image.resize((cell, high), Image.Resampling.LANCZOS), (x, y))
-            score = f"{found.scores[row, column]:.3f}"
+            score = f"{found.scores[i, light]:.3f}"
             draw.text((x + cell / 2, y + high + text / 2), score, "black", small, anchor="mm")
     return page
 
@@ -113,7 +124,7 @@ def score_plot(found: Comparison) -> bytes:
         color = _COLORS[i % len(_COLORS)]
         label = f"{name}, mean {mean:.3f}"
         axes.plot(places, scores, style, marker="o", markersize=3, color=color, label=label)
-    names = [light_name(light) for light in found.lights]
+    names = found.light_names
     turn = 0 if max(map(len, names)) <= 3 else 45
     axes.set_xticks(places, names, fontsize=8, rotation=turn)
     axes.set(ylim=(0, 1), xlabel="light", ylabel="congruence")
@@ -135,16 +146,18 @@ def save_page(found: Comparison, path: str | Path, *, title: str = "") -> Path:
     """
     sheet = io.BytesIO()
     contact_sheet(found).save(sheet, format="PNG")
-    worst = light_name(found.lights[found.worst])
+    worst = found.light_names[found.worst]
     maps = "".join(
         f"<figure>{_image(_png(picture), name)}<figcaption>{name}</figcaption></figure>"
         for name, picture in zip(found.methods, found.score_pictures, strict=True)
     )
-    head, *body = found.table()
-    cells = "".join(f"<th>{html.escape(text)}</th>" for text in head)
-    rows = "".join(
-        "<tr>" + "".join(f"<td>{html.escape(text)}</td>" for text in row) + "</tr>" for row in body
-    )
+    cells = _cells(("light", "azimuth", "elevation", *found.methods), "th")
+    rows = _cells(("mean", "", "", *(f"{mean:.3f}" for mean in found.means)))
+    for light, (azimuth, elevation), scores in zip(
+        found.light_names, found.angles, found.scores.T, strict=True
+    ):
+        angles = f"{azimuth:.0f}°", f"{elevation:.0f}°"
+        rows += _cells((light, *angles, *(f"{score:.3f}" for score in scores)))
     facts = "".join(
         f"<dt>{html.escape(key)}</dt><dd>{html.escape(text)}</dd>"
         for key, text in _facts(found).items()
@@ -159,6 +172,12 @@ def save_page(found: Comparison, path: str | Path, *, title: str = "") -> Path:
     with atomic_write(_named(path, ".html")) as stream:
         stream.write(page.encode())
     return Path(path)
+
+
+def _cells(texts: Iterable[str], kind: str = "td") -> str:
+    """Return a row of a table."""
+    cells = "".join(f"<{kind}>{html.escape(text)}</{kind}>" for text in texts)
+    return f"<tr>{cells}</tr>"
 
 
 def _facts(found: Comparison) -> dict[str, str]:
@@ -202,13 +221,16 @@ def _image(data: bytes, words: str, kind: str = "png") -> str:
 
 
 _PAGE = """<!doctype html>
-<html lang="en"><meta charset="utf-8"><meta name="generator" content="{software}">
+<html lang="en"><meta charset="utf-8">
+<meta name="viewport" content="width=device-width, initial-scale=1">
+<meta name="generator" content="{software}">
 <title>{title}</title>
 <style>
 body {{ font: 15px/1.5 system-ui, sans-serif; color: #222; }}
 body {{ margin: 2rem auto; padding: 0 1rem; max-width: 75rem; }}
 img {{ max-width: 100%; }}
-.wide {{ overflow-x: auto; }} .wide img {{ max-width: none; height: 60rem; max-height: 90vh; }}
+h1 {{ overflow-wrap: anywhere; }}
+.wide {{ overflow-x: auto; }} .wide img {{ min-width: 50rem; width: 100%; }}
 table {{ border-collapse: collapse; font-size: 12px; font-variant-numeric: tabular-nums; }}
 td, th {{ padding: .2rem .4rem; text-align: right; border-bottom: 1px solid #ddd; }}
 td:first-child, th:first-child {{ text-align: left; }}
@@ -219,7 +241,7 @@ dt {{ font-weight: 600; }} dd {{ margin: 0 0 .4rem; overflow-wrap: anywhere; }}
 <p>Congruence says how well the bands of a shading follow the shape: 1 everywhere, 0 nowhere
 (Local Light Alignment, §7).</p>
 {plot}
-<div class="wide"><table><tr>{head}</tr>{rows}</table></div>
+<div class="wide"><table>{head}{rows}</table></div>
 <h2>Every method under every light</h2>
 <div class="wide">{sheet}</div>
 <h2>Where it fails the shape (red), under light {worst}</h2>

@@ -11,6 +11,7 @@ import numpy as np
 
 from meshdepict.errors import MeshdepictError
 from meshdepict.options import nearest, real
+from meshdepict.voxels.length_unit import MILLIMETRES, length_unit
 
 __all__ = ["Figure", "check_pixels"]
 
@@ -19,6 +20,7 @@ _SIZE = re.compile(r"(\d+(?:\.\d+)?)x(\d+(?:\.\d+)?)(px|cm|mm|in)?")
 _PRINT = 300.0  # dots per inch that printers ask for, where a size on paper comes without
 _MOST = 16384  # pixels across: what graphics cards can draw into
 _GROUNDS = {"transparent": None, "white": (255, 255, 255), "paper": (226, 221, 209)}
+_COUNTED = ("units", "px", "voxels")  # what a length is counted in where nothing says its unit
 _POINTS = 8.0  # height of letters on paper, in 1/72 inch
 _LETTERS = 0.024  # … and where there is no paper, as a share of the picture's shorter side
 
@@ -64,6 +66,7 @@ class Figure:
                 raise MeshdepictError(
                     f"{name}={value!r} is not a number of {what} above 0 and below 1e9"
                 )
+        object.__setattr__(self, "unit", _unit(self.unit))
         object.__setattr__(self, "_ground", _ground(self.background))
         size, dpi = _pixels(self.size, self.dpi)
         if size is not None:
@@ -124,6 +127,21 @@ def check_pixels(size: tuple[int, int], why: str = "") -> None:
         raise MeshdepictError(
             f"a picture of {size[0]}x{size[1]} pixels{why}: 1 to {_MOST} are possible"
         )
+
+
+def _unit(unit: Any) -> str:
+    """Return the name of a unit, however it is spelt."""
+    text = str(unit).strip()
+    if unit is None or not text or text in _COUNTED:
+        return text if unit is not None else ""
+    name = length_unit(text)
+    if not name:
+        known = (*MILLIMETRES, *_COUNTED)
+        raise MeshdepictError(
+            f"unit={unit!r} is no length that a scale bar knows ({', '.join(known)})"
+            f"{nearest(text, known)}"
+        )
+    return name
 
 
 def _ground(background: str) -> tuple[int, int, int] | None:

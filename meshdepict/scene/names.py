@@ -19,7 +19,7 @@ from meshdepict.scene.view import View
 
 __all__ = [
     "LIGHTS", "LightLike", "Lighting", "LightsLike", "as_light", "as_lighting", "as_lights",
-    "as_view", "is_several",
+    "as_view", "is_several", "light_angles",
 ]  # fmt: skip
 
 LightLike: TypeAlias = str | ArrayLike | Light
@@ -82,8 +82,25 @@ def as_light(light: LightsLike, view: View | None = None) -> Light:
 
 
 def _from_angles(azimuth: float, elevation: float) -> Vector:
+    if not -90 <= elevation <= 90:
+        raise MeshdepictError(
+            f"a light's elevation is from -90 (behind) over 0 (in the image plane) to 90 degrees "
+            f"(from the eye), not {elevation:g}: the azimuth comes first"
+        )
     a, e = math.radians(azimuth), math.radians(elevation)
     return np.array([math.sin(a) * math.cos(e), math.cos(a) * math.cos(e), math.sin(e)])
+
+
+def light_angles(light: Light, view: View | None = None) -> tuple[float, float]:
+    """Return azimuth (0 … 360) and elevation of a light in degrees, as `as_light` takes them.
+
+    A light on the line of sight has no azimuth: 0.
+    """
+    x, y, z = light.direction if view is None else view.frame @ light.direction
+    across = math.hypot(x, y)
+    # Rounded, so that a hair west of north is 0 and not 360.
+    azimuth = round(math.degrees(math.atan2(x, y)), 9) % 360 if across > 1e-9 else 0.0
+    return azimuth, math.degrees(math.atan2(z, across))
 
 
 def as_lights(light: LightsLike, view: View | None = None, *, count: int = 54) -> list[Light]:

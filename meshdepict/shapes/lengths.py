@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
+import warnings
 
-from meshdepict.errors import MeshdepictError
+from meshdepict.errors import MeshdepictError, MeshdepictWarning
 from meshdepict.options import real
 from meshdepict.scene.shape import Shape
 
@@ -19,7 +20,7 @@ def resolve_width(width: float | str | None, shape: Shape) -> float:
     Raises
     ------
     MeshdepictError
-        For what is no positive length.
+        For what is no positive length. One beyond the shape is taken, with a warning.
     """
     if width is None:
         return float(shape.edge_length)
@@ -36,5 +37,13 @@ def resolve_width(width: float | str | None, shape: Shape) -> float:
         raise MeshdepictError(
             f"width={width!r} is not a positive length, such as 0.5 (world units) or '0.2%' "
             "(of the diagonal)"
+        )
+    if resolved > shape.diagonal > 0:
+        warnings.warn(
+            f"width={width!r} is more than the object's diagonal of {shape.diagonal:.4g}: every "
+            "scale is one average of all of it (unless given, the width is "
+            f"{shape.edge_length:.4g})",
+            MeshdepictWarning,
+            stacklevel=4,
         )
     return resolved

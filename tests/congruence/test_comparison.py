@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from chromium import tab  # noqa: F401
 from PIL import Image
 
 import meshdepict as md
@@ -131,7 +132,8 @@ def test_lambert_drops_where_the_light_grazes_and_exaggerated_does_not(bunny):
 def test_the_table_has_every_score(found, tmp_path):
     path = comparison_report.save_table(found, tmp_path / "scores.csv")
     heading, *rows = csv.reader(path.read_text().splitlines())
-    assert heading == ["method", "mean", "front", "east"]
+    assert heading[:2] == ["method", "mean"]
+    assert heading[2:] == ["front (azimuth 0 elevation 90)", "east (azimuth 90 elevation 35)"]
     for row, name, scores in zip(rows, found.methods, found.scores, strict=True):
         assert row[0] == name
         np.testing.assert_allclose([float(x) for x in row[2:]], scores, atol=5e-4)
@@ -145,6 +147,32 @@ def test_the_sheet_has_a_cell_for_every_picture(found, tmp_path):
     path = comparison_report.save_sheet(found, tmp_path / "sheet.png")
     with Image.open(path) as image:
         assert "exaggerated" in image.text["meshdepict comparison"]
+
+
+def test_many_lights_wrap_to_a_readable_width(found):
+    from dataclasses import replace
+
+    often = replace(
+        found, lights=found.lights * 15, scores=np.tile(found.scores, 15),
+        pictures=np.tile(found.pictures, (1, 15, 1, 1, 1)),
+    )  # fmt: skip
+    once, sheet = (comparison_report.contact_sheet(each, cell=100) for each in (found, often))
+    assert once.width < sheet.width <= 1600
+    assert sheet.height >= 2 * once.height
+    narrow = comparison_report.contact_sheet(often, cell=20)
+    assert narrow.height == comparison_report.contact_sheet(found, cell=20).height
+
+
+@pytest.mark.browser
+@pytest.mark.parametrize("width", [400, 1200])
+def test_the_page_fits_telephones_and_screens(found, tmp_path, tab, width):  # noqa: F811
+    path = comparison_report.save_page(found, tmp_path / "page.html", title="a" * 80)
+    tab.resize(width, 800, mobile=width == 400)
+    tab.open(path.as_uri())
+    assert tab.js("document.documentElement.scrollWidth") <= width
+    text = tab.js("document.querySelector('table').innerText")
+    assert "90°" in text
+    assert "35°" in text
 
 
 def test_the_page_needs_nothing_from_elsewhere(found, tmp_path):

@@ -14,12 +14,36 @@ from meshdepict.commands import report
 # --- help -----------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("words", [(), ("--help",), ("-h",)])
-def test_help_names_every_command(run, words):
+COMMANDS = ("bake", "view", "compare", "volume", "movie", "info", "methods")
+
+
+@pytest.mark.parametrize("words", [(), ("--help",), ("-h",), ("help",)])
+def test_help_says_a_line_of_every_command(run, words):
     status, out, err = run(*words)
     assert (status, err) == (0, [])
-    for command in ("bake", "methods", "info", "view", "movie", "compare", "volume"):
-        assert any(command in line.split() for line in out)
+    lines = [line.strip("│ ").split(maxsplit=1) for line in out]
+    said = [line for line in lines if line and line[0] in COMMANDS]
+    assert [name for name, _ in said] == list(COMMANDS)
+    for _, line in said:
+        assert line.endswith(".")  # whole, not cut at the frame
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_help_of_a_command_by_either_word(run, command):
+    assert run("help", command) == run(command, "--help")
+    assert f"Usage: meshdepict {command} " in run("help", command)[1][0]
+
+
+@pytest.mark.parametrize("shell", ["bash", "zsh", "fish"])
+def test_shells_learn_the_commands(tmp_path, shell):
+    place = {"HOME": str(tmp_path), "SHELL": f"/bin/{shell}", "PATH": os.environ["PATH"]}
+    command = [sys.executable, "-m", "meshdepict", "--install-completion"]
+    done = subprocess.run(
+        command, env=place, capture_output=True, text=True, timeout=PATIENCE, check=True
+    )
+    assert "Traceback" not in done.stderr
+    written = [path for path in tmp_path.rglob("*") if path.is_file()]
+    assert any("volume" in path.read_text() for path in written)
 
 
 def test_help_of_a_command_explains_every_option(run):
@@ -34,7 +58,7 @@ def test_help_of_a_command_explains_every_option(run):
         assert f" {option} " in text
 
 
-@pytest.mark.parametrize("words", [("--version",), ("bake", "--version")])
+@pytest.mark.parametrize("words", [("--version",), ("-V",), ("bake", "--version")])
 def test_version(run, words):
     assert run(*words) == (0, [md.__version__], [])
 
@@ -72,6 +96,16 @@ def test_light_commands_load_no_heavy_modules(ball_ply, words, heavy):
         ("ball.ply", "no command is called 'ball.ply'; did you mean: meshdepict bake ball.ply"),
         ("--quiet bake", "unknown option --quiet: options follow the command"),
         ("bake ball.ply --ligth north", "Did you mean"),
+        (
+            "bake ball.ply --exageration 25",
+            "Did you mean --set exaggeration=?",
+        ),
+        ("bake ball.ply -m light_alignment --sharpnes=2", "Did you mean --set sharpness=?"),
+        ("bake ball.ply -m nonsense --sharpnes=2", "unknown option: --sharpnes"),
+        ("bake ball.ply --qqqq 1", "unknown option: --qqqq (see meshdepict bake --help)"),
+        ("info ball.ply --exageration 25", "unknown option: --exageration"),
+        ("bake ball.ply --light 30,120", "a light's elevation is from -90"),
+        ("bake ball.ply --picture out.png --unit parsec", "unit='parsec' is no length"),
         ("bake ball.ply --light", "requires an argument (see meshdepict bake --help)"),
         ("bake ball.ply --scales 2 --scales 3", "specified multiple times"),
         ("bake ball.ply --scales 1.5", "'1.5' is not a whole number"),
@@ -112,7 +146,8 @@ def test_light_commands_load_no_heavy_modules(ball_ply, words, heavy):
         ("bake ball.ply ball.ply -o out.ply", "-o out.ply is no existing folder"),
         ("bake ball.ply ball.ply --picture p.png", "--picture p.png is no existing folder"),
         ("bake gone.ply", "gone.ply: there is no such file"),
-        ("bake .", ". is a folder, not a file"),
+        ("bake .", ". is a folder, not a file; did you mean ball.ply?"),
+        ("bake ..", ".. is a folder, not a file; there is no mesh in it"),
         ("methods exagerated", "did you mean 'exaggerated'?"),
         ("info", "info needs a mesh file"),
         ("info gone.ply", "gone.ply: there is no such file"),

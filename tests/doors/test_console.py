@@ -60,6 +60,30 @@ def test_the_warnings_of_others_stay_away(run, ball_ply, monkeypatch):
     assert (status, err) == (0, ["meshdepict: note: ball.ply: about the mesh"])
 
 
+def test_notes_that_repeat_in_a_batch_are_said_once_and_counted(run, ball_ply, monkeypatch):
+    names = ["a.ply", "b.ply", "c.ply", "d.ply"]
+    for name in names:
+        Path(name).write_bytes(Path("ball.ply").read_bytes())
+
+    def read(path, **_):
+        odd = {"a.ply": "12 vertices are odd", "b.ply": "1,300.5 vertices are odd"}
+        text = odd.get(path.name, "all is even")
+        warnings.warn(f"{path}: {text}", md.MeshdepictWarning, stacklevel=1)
+        return read_mesh(path)
+
+    monkeypatch.setattr(batch, "read_mesh", read)
+    status, out, err = run("bake", *names)
+    assert (status, len(out)) == (0, 4)
+    assert err == [
+        "meshdepict: note: a.ply: 12 vertices are odd",
+        "meshdepict: note: c.ply: all is even",
+        "meshdepict: note: of 1 more file, too: 12 vertices are odd",
+        "meshdepict: note: of 1 more file, too: all is even",
+        "meshdepict: 4 of 4 baked",
+    ]
+    assert run("bake", *names, "--quiet")[2] == []
+
+
 def test_a_message_names_its_file_once():
     path = Path("a")
     assert console.about(path, "a is empty") == "a is empty"

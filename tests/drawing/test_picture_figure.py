@@ -50,6 +50,9 @@ def test_a_size_is_in_pixels_or_on_paper(given, dpi, pixels, dots):
             {"pixels_per_unit": float("nan")},
             "pixels_per_unit=nan is not a number of pixels",
         ),
+        ({"unit": "parsec"}, "unit='parsec' is no length that a scale bar knows"),
+        ({"unit": "mmm"}, "did you mean 'mm'"),
+        ({"unit": 3}, "unit=3 is no length"),
         ({"background": "red"}, "none of transparent, white, paper and no #rrggbb"),
         ({"background": "#12345"}, "no #rrggbb"),
         ({"background": 7}, "no #rrggbb"),
@@ -58,6 +61,14 @@ def test_a_size_is_in_pixels_or_on_paper(given, dpi, pixels, dots):
 def test_other_figures_are_refused(words, sentence):
     with pytest.raises(MeshdepictError, match=sentence):
         Figure(**words)
+
+
+@pytest.mark.parametrize(
+    ("given", "unit"), [("", ""), (None, ""), ("µm", "µm"), ("um", "µm"), ("Metres", "m"),
+                        ("px", "px"), ("units", "units")]
+)  # fmt: skip
+def test_units_have_one_spelling(given, unit):
+    assert Figure(unit=given).unit == unit
 
 
 def test_grounds_have_their_colors():

@@ -5,7 +5,7 @@ import pytest
 from conftest import angle_between, rotation
 
 from meshdepict import scale_space, smooth_normals
-from meshdepict.errors import MeshdepictError
+from meshdepict.errors import MeshdepictError, MeshdepictWarning
 from meshdepict.scales import mesh_scales
 from meshdepict.scene.view import View
 from meshdepict.shapes import samples
@@ -90,6 +90,7 @@ def test_a_narrow_width_changes_nothing(ball):
     assert angle_between(space.normals[1], ball.normals).max() < 1e-4
 
 
+@pytest.mark.filterwarnings("ignore:width")
 def test_widths_beyond_all_sense(ball):
     narrow = scale_space(ball, scales=2, width=1e-310)
     assert angle_between(narrow.normals[1:], ball.normals).max() < 1e-4
@@ -97,6 +98,7 @@ def test_widths_beyond_all_sense(ball):
     assert np.isfinite(wide.normals).all()
 
 
+@pytest.mark.filterwarnings("ignore:width")
 def test_without_facing_the_widest_scale_points_one_way():
     sheet = samples.wavy_sheet(2_000)
     space = scale_space(sheet, scales=1, width=1e4 * sheet.diagonal, facing=0)
@@ -228,12 +230,22 @@ def test_widths_are_lengths_shares_or_an_edge(width, expected):
     assert resolve_width(width, Shape()) == pytest.approx(expected)
 
 
+def test_a_width_beyond_the_shape_is_said(ball):
+    class Shape:
+        diagonal, edge_length = 1.0, 0.01
+
+    with pytest.warns(MeshdepictWarning, match="more than the object's diagonal of 1: .* is 0.01"):
+        assert resolve_width("120%", Shape()) == 1.2
+    assert resolve_width("100%", Shape()) == 1
+
+
 @pytest.mark.parametrize("width", [0, -1, "0%", "wide", float("nan"), float("inf"), [1], "%"])
 def test_a_width_that_is_no_length(ball, width):
     with pytest.raises(MeshdepictError, match="not a positive length"):
         scale_space(ball, scales=1, width=width)
 
 
+@pytest.mark.filterwarnings("ignore:width")
 @pytest.mark.parametrize(
     ("options", "message"),
     [

@@ -4,7 +4,7 @@ from conftest import rotation
 
 from meshdepict.errors import MeshdepictError
 from meshdepict.scene.light import Light
-from meshdepict.scene.names import LIGHTS, as_light, as_view
+from meshdepict.scene.names import LIGHTS, as_light, as_view, light_angles
 from meshdepict.scene.upright import UPS
 from meshdepict.scene.view import VIEWS, View, named_directions
 from meshdepict.shapes import samples
@@ -57,12 +57,25 @@ def test_every_name_is_known():
         (123, 90, (0, 0, 1)),
         (0, -90, (0, 0, -1)),
         (90, 30, (SQRT3 / 2, 0, 0.5)),
-        (90, 150, (-SQRT3 / 2, 0, 0.5)),
     ],
 )
 def test_angles_run_clockwise_from_up_and_out_of_the_image(azimuth, elevation, xyz):
     light = as_light((azimuth, elevation))
     np.testing.assert_allclose(light.direction, xyz, atol=1e-15)
+
+
+@pytest.mark.parametrize("elevation", [120, -90.5, 1e9])
+def test_an_elevation_beyond_the_eye_is_no_light(elevation):
+    with pytest.raises(MeshdepictError, match="elevation is from -90"):
+        as_light((30, elevation))
+
+
+@pytest.mark.parametrize("angles", [(0, 0), (350, -30), (90, 89), (0, 90), (0, -90), (225, 35)])
+def test_angles_of_a_light_are_those_it_was_made_from(rng, angles):
+    turn = np.linalg.qr(rng.normal(size=(3, 3)))[0]
+    view = View((0, 0, 0), -turn[2], turn[1], parallel_scale=1.0)
+    for eye in (None, view):
+        assert light_angles(as_light(angles, eye), eye) == pytest.approx(angles, abs=1e-6)
 
 
 def test_names_and_angles_follow_the_view_and_directions_do_not(rng):
