@@ -9,7 +9,7 @@ import os
 import time
 import warnings
 from collections.abc import Hashable, Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from os.path import exists, isdir, realpath  # unlike Path's, these never raise
 from pathlib import Path
@@ -21,9 +21,10 @@ from meshdepict.baking.refinement import worth_refining
 from meshdepict.baking.surfaces import bake_surface
 from meshdepict.baking.targets import check_target, identities
 from meshdepict.console import Heard, about, complain, notes, progress_bar, say
+from meshdepict.drawing.before_after import before_after
 from meshdepict.drawing.figure import Figure
 from meshdepict.drawing.framing import check_scale, frame
-from meshdepict.drawing.picture import check_picture, save_picture
+from meshdepict.drawing.picture import check_picture, save_picture, write_picture
 from meshdepict.errors import MeshdepictError, MeshdepictWarning
 from meshdepict.io import read_mesh
 from meshdepict.io.source import FORMATS, WRITABLE, suffix_of
@@ -35,6 +36,8 @@ if TYPE_CHECKING:
 __all__ = ["Batch", "check_look", "stem"]
 
 _GOLF_BALL = "golf-ball"
+_BEFORE = "lambert"  # what every program shows
+_NEXT = "next: meshdepict bake YOUR.ply --picture YOUR.png, meshdepict view, meshdepict methods"
 _VISIBLE = 2  # grey levels
 _MEMORY = "out of memory: a simplified mesh needs less"
 
@@ -46,6 +49,7 @@ class Job:
     source: Path | None
     output: Path
     picture: Path | None
+    first: bool = False  # a first try: the picture shows before and after
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -55,7 +59,7 @@ class Batch:
     Attributes
     ----------
     inputs : sequence of Path
-        None at all means the built-in golf ball.
+        None at all means the built-in golf ball, with a picture of before and after.
     look : Look
     output, picture : str, optional
         A file or an existing folder; with several inputs, a folder. Without ``output`` the
@@ -127,6 +131,8 @@ class Batch:
                 say(line)
                 done += 1
         heard.tell()
+        if not self.inputs and done and not self.quiet:
+            complain(_NEXT)
         if len(sources) > 1 and not self.quiet:
             complain(f"{done} of {len(sources)} baked")
         return len(sources) - done
@@ -138,13 +144,15 @@ class Batch:
         name = f"{stem(source)}-{self.look.method}"
         output = _target(self.output or ".", f"{name}.ply", "-o")
         _check_format(output)
-        picture = None
-        if self.picture is not None:
+        picture, first = None, source is None and self.picture is None
+        if first:
+            picture = output.with_name(f"{stem(output)}.png")
+        elif self.picture is not None:
             picture = _target(self.picture, f"{name}.png", "--picture")
             check_picture(picture)
         for path in filter(None, (output, picture)):
             check_target(path, force=self.force, inputs=self._input_identities)
-        return Job(source, output, picture)
+        return Job(source, output, picture, first)
 
     def _read(self, source: Path | None) -> Mesh:
         if source is None:
@@ -172,11 +180,26 @@ class Batch:
                 self._check_fit(mesh)
             baked = bake_surface(mesh, self.look, progress=progress)
             baked.save(job.output)
-            if job.picture:
+            if job.first:
+                job = self._show_first(baked, job)
+            elif job.picture:
                 save_picture(baked, job.picture, self.figure)
             for text in self._remarks(baked, job.output):
                 warnings.warn(text, MeshdepictWarning, stacklevel=2)
         return _caption(job, baked, time.perf_counter() - start)
+
+    def _show_first(self, baked: Baked, job: Job) -> Job:
+        """Draw before and after; where nothing can be drawn, leave the picture out with a note."""
+        assert job.picture is not None
+        before = bake_surface(baked.shape, self.look.replace(method=_BEFORE))
+        captions = f"before: {_BEFORE}", f"after: {self.look.method}"
+        try:
+            image = before_after((before, baked), captions)
+        except (MeshdepictError, ImportError, RuntimeError) as error:
+            warnings.warn(f"no picture could be drawn ({error})", MeshdepictWarning, stacklevel=3)
+            return replace(job, picture=None)
+        write_picture(image, job.picture, baked.provenance)
+        return job
 
     def _remarks(self, baked: Baked, output: Path) -> Iterator[str]:
         """Yield what is to be known about an output."""

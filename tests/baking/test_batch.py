@@ -10,6 +10,7 @@ from PIL import Image
 import meshdepict as md
 from meshdepict import threads
 from meshdepict.baking import batch
+from meshdepict.drawing.picture import read_picture_provenance
 from meshdepict.io import read_mesh, read_provenance, write_mesh
 from meshdepict.shapes import samples
 
@@ -77,13 +78,44 @@ def test_every_option_of_bake_reaches_the_library(run, ball_ply, words, argument
     assert read_provenance("out.ply") == expected.comments
 
 
-def test_without_input_a_golf_ball_is_baked(run, folder, monkeypatch):
+@pytest.fixture
+def small_golf_ball(monkeypatch):
     mesh = samples.golf_ball(400, dimples=12)
     monkeypatch.setattr(samples, "golf_ball", lambda: mesh)
-    status, (line,), err = run("bake")
+    return mesh
+
+
+def test_without_input_a_golf_ball_is_baked(run, folder, small_golf_ball):
+    status, (line,), err = run("bake", "--quiet")
     assert (status, err) == (0, [])
     assert line.startswith("golf-ball-exaggerated.ply: exaggerated, ")
-    assert np.array_equal(colors("golf-ball-exaggerated.ply"), md.bake(mesh).colors)
+    assert np.array_equal(colors("golf-ball-exaggerated.ply"), md.bake(small_golf_ball).colors)
+
+
+def test_a_first_bake_shows_before_and_after_and_how_to_go_on(run, folder, small_golf_ball):
+    status, (line,), err = run("bake", "-o", "first.ply")
+    assert status == 0
+    assert "picture first.png" in line
+    assert err[-1].startswith("meshdepict: next: meshdepict bake YOUR.ply")
+    with Image.open("first.png") as image:
+        page = np.asarray(image.convert("RGB")).astype(int)
+    height, width = page.shape[:2]
+    before, after = page[:, : width // 2], page[:, width // 2 :]
+    assert width == 2 * 600 < 2 * height
+    assert (before < 10).all(axis=2).any()  # plain light leaves a side black
+    assert np.abs(before - after).max() > 50
+    assert read_picture_provenance("first.png")
+
+
+def test_a_first_bake_where_nothing_can_be_drawn_goes_on(run, folder, small_golf_ball, monkeypatch):
+    def fail(*_):
+        raise ImportError("libGL.so.1 is missing")
+
+    monkeypatch.setattr(batch, "before_after", fail)
+    status, (line,), err = run("bake", "-o", "first.ply")
+    assert (status, "picture" in line) == (0, False)
+    assert "no picture could be drawn (libGL.so.1 is missing)" in err[0]
+    assert [path.name for path in folder.iterdir()] == ["first.ply"]
 
 
 @pytest.mark.parametrize(
