@@ -158,6 +158,15 @@ def test_a_page_shows_its_colours_exactly_and_asks_for_nothing(tab, tmp_path, ba
     assert inside.any(axis=0).sum() == pytest.approx(height / 1.05, abs=3)
 
 
+def test_a_page_says_that_it_is_loading_until_it_shows(tab, tmp_path, baked):  # noqa: F811
+    path = save_page(baked, tmp_path / "ball.html")
+    text = path.read_text(encoding="utf-8")
+    said = text.index("Loading …")
+    assert said < text.index('id="mesh"')  # megabytes that come later
+    shown(tab, path)
+    assert tab.js("document.body.innerText.includes('Loading')") is False
+
+
 def test_a_page_shows_what_a_picture_shows(tab, tmp_path, baked):  # noqa: F811
     from PIL import Image
 

@@ -102,7 +102,7 @@
       const state = this.trame.state;
       return {
         look: state.get("look"), frame: null, fault: "", message: "", slow: false,
-        progress: 0,
+        progress: 0, loading: "the mesh",
       };
     },
     computed: {
@@ -124,6 +124,7 @@
         return `Light from azimuth ${a}°, elevation ${e}°. Arrow keys move it.`;
       },
       status() {
+        if (this.loading) return `loading ${this.loading} …`;
         if (!this.slow) return "";
         return this.progress ? `computing, ${Math.round(100 * this.progress)} %` : "computing …";
       },
@@ -162,11 +163,13 @@
         try {
           this.view.show(await (await this.fetched("depict/mesh")).arrayBuffer(), mesh);
         } catch (error) {
+          this.loading = "";
           this.fault = `The mesh could not be loaded: ${error.message}`;
           return;
         }
         this.view.look(home);
         this.frame = home.frame;
+        this.loading = "its colours";
         this.paint();
       },
 
@@ -205,6 +208,7 @@
           } catch (error) {
             this.message = `The colours could not be loaded: ${error.message}`;
           }
+          this.loading = "";
         } while (this.painting === "again");
         this.painting = "";
       },
