@@ -62,9 +62,7 @@ def test_slices_of_any_image_are_a_stack(data, kind):
 
 
 def test_a_huge_extent_is_refused_and_not_believed(data):
-    sentence = (
-        r"huge-extent\.vti is cut off or wrong: its array 'values' claims more values"
-    )
+    sentence = r"huge-extent\.vti is cut off or wrong: its array 'values' claims more values"
     with pytest.raises(MeshdepictError, match=sentence) as told:
         read_volume(data / "cases" / "hostile" / "huge-extent.vti")
     assert len(str(told.value).replace(str(data), "")) < 250
