@@ -76,6 +76,9 @@ def write_dicom(path: Path, stored: np.ndarray, **tags: object) -> Path:
         "slope": (0x00281053, "DS"),
         "rescale_type": (0x00281054, "LO"),
         "offsets": (0x3004000C, "DS"),
+        "concatenation": (0x00209161, "UI"),
+        "part": (0x00209162, "US"),
+        "parts": (0x00209163, "US"),
     }
     kind, used = given["kind"], given["bits_stored"] or bits
     elements = {

@@ -37,8 +37,9 @@ class TransferFunction:
         By rising value; opacity 0 … 1 per voxel; the colour as sRGB display values 0 … 1 or
         "#rrggbb". Before the first point and after the last both stay as they are there.
     gradient_opacity : sequence of (magnitude, factor), optional
-        What the opacity is multiplied by, by the gradient's magnitude in units per mm: hides the
-        even inside of tissues and keeps their borders.
+        What the opacity is multiplied by, by the gradient's magnitude in units per mm, also where
+        the volume's lengths are in µm or m (per its own unit where it has none): hides the even
+        inside of tissues and keeps their borders.
     name : str
     unit : {"HU", "raw"}
         What the values are; a volume has to be in the same (see `for_volume`).

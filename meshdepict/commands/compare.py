@@ -7,8 +7,8 @@ from typing import Annotated, Any, Literal
 
 from cyclopts import Parameter
 
-from meshdepict.commands import parameters
 from meshdepict.commands.parameters import DETAIL, FILES, LOOK, Everywhere, LookWords, takes_words
+from meshdepict.commands.values import as_light, method_options
 from meshdepict.console import notes, progress_bar, say
 from meshdepict.errors import MeshdepictError
 
@@ -92,7 +92,7 @@ def compare(
     pixels = Figure(size=size).pixels
     assert pixels is not None  # as a size was given
     given = _options(options or [])
-    lights = None if light is None else [parameters.as_light(text) for text in light]
+    lights = None if light is None else [as_light(text) for text in light]
     with notes(source, quiet=quiet), progress_bar(name, quiet=quiet) as progress:
         mesh = samples.golf_ball() if source is None else read_mesh(source, winding=winding)
         found = comparison.compare(
@@ -119,4 +119,4 @@ def _options(given: list[str]) -> dict[str, dict[str, Any]]:
         if not dot or "=" in method:
             raise MeshdepictError(f"--set wants METHOD.name=value here, not {text!r}")
         texts.setdefault(method, []).append(rest)
-    return {name: parameters.method_options(name, words) for name, words in texts.items()}
+    return {name: method_options(name, words) for name, words in texts.items()}

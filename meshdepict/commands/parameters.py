@@ -16,7 +16,7 @@ from cyclopts import Group, Parameter
 
 from meshdepict import threads
 from meshdepict.baking.choices import Choices, choice_fields
-from meshdepict.errors import MeshdepictError
+from meshdepict.commands.values import as_light, method_options
 from meshdepict.files import limits
 
 if TYPE_CHECKING:
@@ -25,8 +25,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "EVERYWHERE", "FIGURE", "FILES", "LOOK", "MOTION", "Everywhere", "FigureWords",
-    "LookWords", "Number", "Options", "as_light", "as_numbers", "method_options",
-    "number", "said_look", "takes_words",
+    "LookWords", "Number", "Options", "number", "said_look", "takes_words",
 ]  # fmt: skip
 
 _GROUPS = {
@@ -264,46 +263,3 @@ def said_look(words: LookWords, recipe: str | None = None) -> Look:
     method = chosen.get("method", choice_fields()["method"].default)
     options = method_options(method, words.options or [])
     return Look(**{**chosen, "method": method, **options})
-
-
-def as_light(text: str) -> Any:
-    """Return a light's name, its angles or its direction; several where semicolons part them."""
-    if ";" in text:
-        return [as_light(part.strip()) for part in text.split(";") if part.strip()]
-    if "," not in text:
-        return text
-    try:
-        numbers = tuple(float(part) for part in text.split(","))
-    except ValueError:
-        numbers = ()
-    if len(numbers) not in (2, 3):
-        raise MeshdepictError(
-            f"--light {text} is neither a name, nor azimuth,elevation in degrees, nor x,y,z"
-        )
-    return numbers
-
-
-def as_numbers(text: str, option: str, count: int) -> tuple[float, ...]:
-    """Return so many numbers from a text such as 0.5,0.5,1."""
-    try:
-        numbers = tuple(float(part) for part in text.split(","))
-    except ValueError:
-        numbers = ()
-    if len(numbers) != count:
-        raise MeshdepictError(f"{option} {text} is not {count} numbers separated by commas")
-    return numbers
-
-
-def method_options(method: str, given: Sequence[str]) -> dict[str, Any]:
-    """Return the method's options from ``name=value`` texts, checked."""
-    from meshdepict.options import check
-    from meshdepict.shading.registry import find_method
-
-    function = find_method(method)
-    texts = {}
-    for text in given:
-        name, equals, value = text.partition("=")
-        if not equals:
-            raise MeshdepictError(f"--set wants name=value, not {text!r}")
-        texts[name.strip()] = value.strip()
-    return check(function, texts, method)

@@ -91,6 +91,7 @@ def _volume_info(path: Path) -> str:
     rows = [
         ("voxels", f"{nx} x {ny} x {nz}"),
         ("values", f"{low:g} … {high:g} {volume.unit} ({volume.values.dtype})"),
+        ("length unit", volume.length_unit or "not said"),
         ("spacing", "  ".join(f"{axis} {step}" for axis, step, _ in box)),
         ("box", "  ".join(f"{axis} {span}" for axis, _, span in box)),
         *((str(key).replace("_", " "), str(text)) for key, text in volume.attributes.items()),
@@ -118,6 +119,8 @@ def _lengths(mesh: Mesh) -> Iterable[tuple[str, str]]:
     low, high = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
     spans = zip("xyz", low, high, strict=True)
     yield "box", "  ".join(f"{axis} {least:.6g} … {most:.6g}" for axis, least, most in spans)
+    if mesh.length_unit:
+        yield "length unit", mesh.length_unit
     yield "diagonal", f"{mesh.diagonal:.4g}"
     yield "edge length", f"{mesh.edge_length:.4g} (median)"
 

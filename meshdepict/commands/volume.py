@@ -17,6 +17,7 @@ from meshdepict.commands.parameters import (
     LookWords,
     takes_words,
 )
+from meshdepict.commands.values import as_numbers
 from meshdepict.console import notes, progress_bar, say
 from meshdepict.errors import MeshdepictError
 
@@ -210,7 +211,7 @@ def _read(
     number = int(series) if series is not None and series.isdecimal() else series
     lengths = None
     if spacing is not None:
-        lengths = parameters.as_numbers(spacing, "--spacing", 3)
+        lengths = as_numbers(spacing, "--spacing", 3)
     return read_volume(
         source, series=number, slope=slope, intercept=intercept, spacing=lengths, tilt=tilt
     )

@@ -45,12 +45,7 @@ def read_dicom(path: Path, series: str | int | None, *, tilt: str = "resample") 
     """
     notes: list[str] = []
     found = _found(path, series, notes)
-    if len(found) == 1 and (found[0].frames > 1 or found[0].file.frames):
-        planes, numbers = found[0].planes(), _Numbers(notes, found[0])
-        if not (planes[0].has_position and found[0].file.frames) and found[0].offsets is None:
-            notes.append("it doesn't say how far its frames are apart, taken as 1")
-    else:
-        planes, numbers = found, _Numbers(notes)
+    planes, numbers = _planes(found, notes), _Numbers(notes, found)
     stack = stacked(planes, numbers.same)
     if stack.copies:
         copy, kept = stack.copies[0]
@@ -112,12 +107,41 @@ def _found(path: Path, series: str | int | None, notes: list[str]) -> list[Slice
                 own = found[0]
                 beside, left_out = headers(sorted(path.parent.iterdir()))
                 found = [one for one in beside if one.series == own.series]
+            elif image := found[0].concatenation:
+                beside, left_out = headers(sorted(path.parent.iterdir()))
+                found = [one for one in beside if one.concatenation == image]
+    _note_parts(found, notes)
     if left_out:
         notes.append(
             "DICOM files that hold no image, or are damaged, are left out: "
             f"{len(left_out)}, the first {left_out[0].name}"
         )
     return _without_localisers(found, notes)
+
+
+def _planes(found: list[Slice], notes: list[str]) -> list[Slice]:
+    """Return all slices: files, or the frames that they hold."""
+    if len(found) == 1 and (found[0].frames > 1 or found[0].file.frames):
+        planes = found[0].planes()
+        if not (planes[0].has_position and found[0].file.frames) and found[0].offsets is None:
+            notes.append("it doesn't say how far its frames are apart, taken as 1")
+        return planes
+    # Files of many frames are one stack where each frame says where it is.
+    return [
+        plane
+        for one in found
+        for plane in (one.planes(among=True) if one.file.frames else [one])
+    ]  # fmt: skip
+
+
+def _note_parts(found: list[Slice], notes: list[str]) -> None:
+    """Note parts of a concatenation that are not there."""
+    due = max((int(one.number("0020|9163", 0)) for one in found if one.concatenation), default=0)
+    if due > len(found):
+        notes.append(
+            f"its image is spread over {due:,} files, of which {len(found):,} are there: the "
+            "others are missing"
+        )
 
 
 def _listed(path: Path, records: Sequence[dict[str, str]]) -> list[Path]:
@@ -194,18 +218,21 @@ def _note_header(slices: list[Slice], hounsfield: bool, notes: list[str]) -> Non
 
 
 class _Numbers:
-    """The rescaled numbers of slices, from files of one slice each or from one file of many."""
+    """The rescaled numbers of slices, from files of one slice each or of many frames."""
 
-    def __init__(self, notes: list[str], file: Slice | None = None) -> None:
+    def __init__(self, notes: list[str], files: Sequence[Slice]) -> None:
         self._notes = notes
-        self._frames = None if file is None else stored_numbers(file, notes)
+        self._files = {file.path: file for file in files}
+        self._frames: dict[Path, tuple[NDArray[Any], NDArray[np.bool_] | None]] = {}
 
     def _stored(self, one: Slice) -> tuple[NDArray[Any], NDArray[np.bool_] | None]:
-        if self._frames is None:
+        if one.frame is None:
             numbers, padded = stored_numbers(one, self._notes)
-            return numbers[0], None if padded is None else padded[0]
+        else:
+            if one.path not in self._frames:
+                self._frames[one.path] = stored_numbers(self._files[one.path], self._notes)
+            numbers, padded = self._frames[one.path]
         at = one.frame or 0
-        numbers, padded = self._frames
         return numbers[at], None if padded is None else padded[at]
 
     def same(self, one: Slice, other: Slice) -> bool:

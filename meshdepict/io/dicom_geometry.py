@@ -89,9 +89,10 @@ def _check_alike(slices: list[Slice]) -> None:
     first = slices[0]
     for one in slices:
         name = one.name
-        if one.frame is None and one.frames > 1:
+        if (one.frame is None and one.frames > 1) or (one.among and not one.has_position):
             raise MeshdepictError(
-                f"holds several files of many slices each ({name}): give the path of one of them"
+                "holds several files of many slices each, which don't say where they are "
+                f"({name}): give the path of one of them"
             )
         if not one.has_position and one.frame is None:
             raise MeshdepictError(f"holds a slice without position and orientation, {name}")
@@ -147,9 +148,11 @@ def _even_step(slices: list[Slice], heights: NDArray[np.float64]) -> float:
     typical = float(np.median(gaps))
     at = int(gaps.argmin())
     if gaps[at] <= _EVEN * typical or typical == 0:
+        files = slices[at].frame is not None and slices[at].path != slices[at + 1].path
+        advice = ", give the path of one of its files" if files else ""
         raise MeshdepictError(
             f"holds two slices at one place, {_between(slices, at)}: a series of several passes "
-            "is several volumes"
+            f"is several volumes{advice}"
         )
     odd = np.abs(gaps - typical) > _EVEN * typical
     if odd.any():

@@ -37,6 +37,7 @@ class Slice:
     tags: Texts
     file: DicomFile = field(default_factory=DicomFile, repr=False)
     frame: int | None = None
+    among: bool = False  # whether its series has several files of many frames
 
     def tag(self, name: str, default: str = "") -> str:
         """Return a tag such as "0020|000e" without padding, fit to be printed."""
@@ -51,12 +52,20 @@ class Slice:
     @property
     def name(self) -> str:
         """What messages call it."""
-        return self.path.name if self.frame is None else f"frame {self.frame + 1}"
+        if self.frame is None:
+            return self.path.name
+        number = f"frame {self.frame + 1}"
+        return f"{self.path.name}, {number}" if self.among else number
 
     @property
     def series(self) -> str:
         """The series' id (SeriesInstanceUID)."""
         return self.tag("0020|000e")
+
+    @property
+    def concatenation(self) -> str:
+        """The id that files share over which the frames of one image are spread; "" for none."""
+        return self.tag("0020|9161")
 
     @property
     def frames(self) -> int:
@@ -134,8 +143,13 @@ class Slice:
             or (self.tag("0008|0016") == _SCREENSHOT and not self.has_position)
         )  # fmt: skip
 
-    def planes(self) -> list[Slice]:
+    def planes(self, *, among: bool = False) -> list[Slice]:
         """Return a slice for every frame, each with what is said of it alone.
+
+        Parameters
+        ----------
+        among : bool
+            Whether there are frames of other files.
 
         Raises
         ------
@@ -153,7 +167,8 @@ class Slice:
         if said:
             shared = self.tags | self.file.shared
             return [
-                _placed(replace(self, tags=shared | one, frame=at)) for at, one in enumerate(said)
+                _placed(replace(self, tags=shared | one, frame=at, among=among))
+                for at, one in enumerate(said)
             ]
         offsets = self.offsets
         normal = self.direction[:, 2]
@@ -274,7 +289,7 @@ def _slice(path: Path, file: DicomFile) -> Slice:
 
 def _placed(one: Slice) -> Slice:
     """Return a slice where its tags say that it is."""
-    where, tags = one.name if one.frame is None else f"{one.path.name}, {one.name}", one.tags
+    where, tags = replace(one, among=True).name, one.tags
     rows, columns = _numbers(tags, "0028|0030", where, (1, 1))
     step = one.number("0018|0088", 0.0) or one.number("0018|0050", 0.0) or 1.0
     ways = np.reshape(_numbers(tags, "0020|0037", where, (1, 0, 0, 0, 1, 0)), (2, 3))

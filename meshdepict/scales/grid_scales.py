@@ -124,7 +124,7 @@ class GridSpace(ScaleSpace):
 
         if self.transfer is None:
             return np.full(len(samples), 255, np.uint8)
-        opacity = self.transfer.opacity(self._piece.at(samples), gradient)
+        opacity = _opacity(self.transfer, self.shape, self._piece, samples, gradient)
         return np.maximum(quantise(opacity), opacity > 0)
 
     # --- what grids do in their own way -----------------------------------------------------
@@ -239,6 +239,13 @@ def space_of_mask(
     return space
 
 
+def _opacity(
+    transfer: TransferFunction, shape: Grid, piece: Piece, samples: Samples, gradient: NDArray[Any]
+) -> NDArray[np.float32]:
+    with np.errstate(over="ignore"):  # an infinite slope is as steep as they come
+        return transfer.opacity(piece.at(samples), gradient * shape.units_per_mm)
+
+
 def sample_bytes(count: int) -> int:
     """Return the bytes that a voxel's normals at `count` scales take, with its place."""
     return 12 * count + 40
@@ -271,7 +278,7 @@ def piece_space(
             gradient *= piece.half_range / float(spacing.min())
         np.minimum(gradient, np.finfo(np.float64).max, out=gradient)
     if transfer is not None and transfer.gradient_opacity is not None:
-        keep = samples.beside(transfer.opacity(piece.at(samples), gradient) > 0)
+        keep = samples.beside(_opacity(transfer, shape, piece, samples, gradient) > 0)
         samples, own, gradient = samples.kept(keep), own[:, keep], gradient[keep]
         sums = GridSums(piece, samples, tolerance)
     scales = len(widths) - 1

@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from meshdepict.errors import MeshdepictError
 from meshdepict.scene.vectors import frozen
+from meshdepict.voxels.length_unit import MILLIMETRES
 from meshdepict.voxels.volume_input import as_list, checked_direction, three_numbers
 
 __all__ = ["Grid", "Triple"]
@@ -77,6 +78,11 @@ class Grid:
     def unit(self) -> str:
         """What the values are: "HU" or "raw"."""
         return "HU" if self.hounsfield else "raw"
+
+    @property
+    def units_per_mm(self) -> float:
+        """How many units of length a millimetre has; 1 where the unit isn't known."""
+        return 1 / MILLIMETRES.get(self.length_unit, 1.0)
 
     @property
     def n_samples(self) -> int:

@@ -78,7 +78,13 @@ def test_info_counts_a_clean_mesh(run, ball_ply):
     assert found["diagonal"] == [f"{ball_ply.diagonal:.4g}"]
     assert found["edge length"] == [f"{ball_ply.edge_length:.4g} (median)"]
     assert found["default bake"][0].startswith("about ")
-    assert not {"vertex data", "face data", "baked"} & set(found)
+    assert not {"vertex data", "face data", "baked", "length unit"} & set(found)
+
+
+def test_info_says_the_unit_of_length_where_the_format_has_one(run, ball_ply):
+    write_mesh("ball.glb", ball_ply)
+    _, out, _ = run("info", "ball.glb")
+    assert rows(out)["length unit"] == ["m"]
 
 
 def test_info_of_a_dirty_mesh(run, folder):

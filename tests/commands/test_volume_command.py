@@ -64,6 +64,17 @@ def test_info_says_what_a_volume_is(run, head):
     assert "HU (int16)" in text
 
 
+@pytest.mark.parametrize(("said", "shown"), [("um", "µm"), ("m", "m"), ("", "not said")])
+def test_info_says_what_lengths_are_in(run, said, shown):
+    line = f'space units: "{said}" "{said}" "{said}"\n' if said else ""
+    head = "NRRD0004\ntype: uchar\ndimension: 3\nspace dimension: 3\nsizes: 2 2 2\nencoding: raw\n"
+    places = "space directions: (10,0,0) (0,10,0) (0,0,20)\n"
+    Path("small.nrrd").write_bytes((head + places + line + "\n").encode() + bytes(range(8)))
+    status, out, _ = run("info", "small.nrrd")
+    assert status == 0
+    assert [line.split(maxsplit=2)[2] for line in out if "length unit" in line] == [shown]
+
+
 def test_without_anything_asked_for_a_picture_is_drawn(run, head):
     status, (line,), _ = run(*head, "-m", "lambert")
     assert status == 0

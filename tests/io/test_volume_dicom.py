@@ -691,3 +691,90 @@ def test_a_tilt_that_takes_too_much_memory_is_refused(tmp_path, monkeypatch):
     monkeypatch.setattr("meshdepict.io.tilt.max_memory", lambda: 500)
     with pytest.raises(MeshdepictError, match="straight it takes more than 500 bytes of memory"):
         read_volume(tmp_path)
+
+
+# --- one image in several files of many frames ------------------------------------------------
+
+
+def parts(folder, wanted, cuts, **tags):
+    """An enhanced image, cut into files whose frames are in no order of places."""
+    folder.mkdir(exist_ok=True)
+    order = np.random.default_rng(3).permutation(len(wanted.values))
+    raw = stored(wanted)
+    paths = []
+    for number, frames in enumerate(np.split(order, cuts), 1):
+        places = [wanted.to_world((0, 0, z)) for z in frames]
+        said = {"concatenation": "1.2.3.99", "part": number, "parts": len(cuts) + 1} | tags
+        paths.append(
+            write_enhanced(
+                folder / f"part{number}.dcm", raw[frames], places, spacing=(0.75, 0.5), **said
+            )
+        )
+    return paths
+
+
+@pytest.mark.parametrize("cuts", [[3], [1, 2], [1, 2, 3, 4, 5, 6]], ids=str)
+def test_an_image_cut_into_files_is_one_volume_again(tmp_path, cuts):
+    wanted = phantom()
+    paths = parts(tmp_path / "ct", wanted, cuts)
+    for path in (tmp_path / "ct", paths[0], paths[-1]):
+        volume = read_volume(path)
+        np.testing.assert_array_equal(volume.values, wanted.values)
+        np.testing.assert_allclose(volume.spacing, wanted.spacing)
+        np.testing.assert_allclose(volume.origin, wanted.origin)
+
+
+def test_files_of_one_series_are_one_volume_without_the_word_concatenation(tmp_path):
+    wanted = phantom()
+    paths = parts(tmp_path / "ct", wanted, [2, 5], concatenation=None, part=None, parts=None)
+    np.testing.assert_array_equal(read_volume(tmp_path / "ct").values, wanted.values)
+    assert len(read_volume(paths[2]).values) == 2  # a file of many frames stands for itself
+
+
+def test_parts_that_are_missing_are_said(tmp_path):
+    wanted = phantom()
+    raw, places = stored(wanted), [wanted.to_world((0, 0, z)) for z in range(7)]
+    said = {"concatenation": "1.2.3.99", "parts": 2, "spacing": (0.75, 0.5)}
+    path = write_enhanced(tmp_path / "part1.dcm", raw[:4], places[:4], **said)
+    with pytest.warns(MeshdepictWarning, match="spread over 2 files, of which 1 are there"):
+        volume = read_volume(path)
+    np.testing.assert_array_equal(volume.values, wanted.values[:4])
+    write_enhanced(tmp_path / "part2.dcm", raw[5:], places[5:], **said)
+    with pytest.raises(
+        MeshdepictError, match=r"lacks slices: a slice is missing between part1\.dcm"
+    ):
+        read_volume(tmp_path)
+
+
+def test_passes_in_a_file_each_are_several_volumes(tmp_path):
+    wanted = phantom()
+    raw, places = stored(wanted), [wanted.to_world((0, 0, z)) for z in range(7)]
+    for number in (1, 2):
+        write_enhanced(tmp_path / f"{number}.dcm", raw + number, places, spacing=(0.75, 0.5))
+    sentence = "two slices at one place, 1.dcm, frame 1 and 2.dcm, frame 1.*path of one of its"
+    with pytest.raises(MeshdepictError, match=sentence):
+        read_volume(tmp_path)
+    np.testing.assert_array_equal(read_volume(tmp_path / "2.dcm").values, wanted.values + 2)
+
+
+def test_a_file_that_is_there_twice_is_read_once(tmp_path):
+    wanted = phantom()
+    (path,) = parts(tmp_path / "ct", wanted, [], parts=1)
+    shutil.copy(path, tmp_path / "ct" / "copy of part1.dcm")
+    with pytest.warns(MeshdepictWarning, match="slices that are there twice are left out: 7"):
+        volume = read_volume(tmp_path / "ct")
+    np.testing.assert_array_equal(volume.values, wanted.values)
+
+
+def test_parts_may_be_compressed_and_rescaled_each_by_itself(tmp_path):
+    wanted = phantom()
+    raw, places = stored(wanted), [wanted.to_world((0, 0, z)) for z in range(7)]
+    for number, (frames, slope) in enumerate(((slice(0, 3), 1.0), (slice(3, 7), 0.5))):
+        own = raw[frames]
+        write_enhanced(
+            tmp_path / f"{number}.dcm", own, places[frames], slopes=slope, spacing=(0.75, 0.5),
+            syntax=RLE, pixels=run_lengths(own), concatenation="1.2.3.99",
+        )  # fmt: skip
+    found = read_volume(tmp_path).values
+    np.testing.assert_array_equal(found[:3], wanted.values[:3])
+    np.testing.assert_allclose(found[3:], raw[3:] * 0.5 - 1024.0)

@@ -12,6 +12,7 @@ from meshdepict.scales.grid_scales import GridSpace, grid_space
 from meshdepict.shading import METHODS, declaration
 from meshdepict.shapes.phantom import ct_phantom
 from meshdepict.shapes.volume import Volume
+from meshdepict.voxels.length_unit import MILLIMETRES
 
 BONE = TransferFunction([(200, 0, (1, 0.9, 0.8)), (400, 1, (1, 1, 1))])
 
@@ -163,6 +164,24 @@ def test_gradient_opacity_hides_what_is_even(head: GridSpace) -> None:
     np.testing.assert_array_equal(shown, (head.gradient > 20.1) & (head.alpha > 0) | shown)
     assert (head.gradient[shown] > 20).all()
     np.testing.assert_array_equal(space.normals[2][space.alpha > 0], head.normals[2][shown])
+
+
+@pytest.mark.parametrize("unit", sorted(MILLIMETRES))
+def test_gradient_opacity_is_per_mm_in_any_unit_of_length(head: GridSpace, unit: str) -> None:
+    """The same object in µm, mm or m is shown alike; without a unit its own counts as mm."""
+    points = list(zip(BONE.values, BONE.opacities, BONE.colors, strict=True))
+    edges = TransferFunction(points, gradient_opacity=[(20, 0), (60, 1)])
+    wanted = grid_space(head.shape, head.widths, head.ratio, transfer=edges)
+    size, volume = MILLIMETRES[unit], head.shape
+    same = Volume(
+        volume.values, spacing=volume.spacing / size, origin=volume.origin / size,
+        direction=volume.direction, hounsfield=True, length_unit=unit,
+    )  # fmt: skip
+    found = grid_space(same, head.widths / size, head.ratio, transfer=edges)
+    np.testing.assert_array_equal(found.voxels, wanted.voxels)
+    np.testing.assert_allclose(found.alpha, wanted.alpha, atol=1)
+    assert (wanted.alpha < 255).any()
+    np.testing.assert_allclose(found.gradient, wanted.gradient * size, rtol=1e-5)
 
 
 def test_what_is_beside_the_shown_is_shaded_without_opacity(head: GridSpace) -> None:

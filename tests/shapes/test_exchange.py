@@ -86,15 +86,15 @@ def test_colours_of_pyvista_are_colours(name, channels):
     assert name not in vertex
 
 
-@pytest.mark.parametrize("make", [Mesh.from_pyvista, Mesh.from_trimesh])
-def test_winding_is_passed_on(make):
-    ball = pv.Sphere() if make == Mesh.from_pyvista else trimesh.creation.icosphere(2)
+@pytest.mark.parametrize("library", ["pyvista", "trimesh"])
+def test_winding_is_passed_on(library):
+    ball = pv.Sphere() if library == "pyvista" else trimesh.creation.icosphere(2)
     faces = ball.regular_faces if isinstance(ball, pv.PolyData) else ball.faces
     if isinstance(ball, pv.PolyData):
         ball.regular_faces = faces[:, ::-1].copy()
     else:
         ball.faces = faces[:, ::-1]
-    kept = make(ball, winding="keep")
+    kept = getattr(Mesh, f"from_{library}")(ball, winding="keep")
     assert (np.einsum("ij,ij->i", kept.normals, kept.vertices) < 0).all()
 
 

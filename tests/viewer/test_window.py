@@ -306,7 +306,7 @@ def test_sliders_set_options_and_show_them(window, session):
     panel.slide("exposure", 1.23456)
     assert session.options == {"exposure": 1.235}
     window.draw()
-    (_, widget, number), *_ = panel._sliders
+    (_, widget, _, number), *_ = panel._sliders
     assert number.GetInput() == "1.235"
     assert widget.GetRepresentation().GetValue() == pytest.approx(1.235)
     with pytest.raises(KeyError):
