@@ -25,7 +25,12 @@ from meshdepict.shading.registry import METHODS, find_method
 from meshdepict.shapes.sheet import SCALARS, height_sheet, scalar_array
 
 if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from meshdepict.shading.method import Declaration
+    from meshdepict.shapes.data_set import ImageData
     from meshdepict.shapes.mesh import Mesh
+    from meshdepict.shapes.volume import Volume
 
 __all__ = ["Depict", "register"]
 
@@ -141,12 +146,19 @@ class Depict:
 class _Surface:
     """The mesh of a dataset as it was, with its scale spaces."""
 
-    def __init__(self, mesh: Mesh, stamp: Any, where: str, name: str = "", there: Any = None):
+    def __init__(
+        self,
+        mesh: Mesh,
+        stamp: tuple[Any, ...],
+        where: str,
+        name: str = "",
+        there: NDArray[np.bool_] | None = None,
+    ):
         self.mesh, self.stamp = mesh, stamp
         self.where, self.name, self.there = where, name, there
         self._spaces: dict[tuple[Any, ...], ScaleSpace] = {}
 
-    def space(self, declared: Any, ladder: Mapping[str, Any]) -> ScaleSpace:
+    def space(self, declared: Declaration, ladder: Mapping[str, Any]) -> ScaleSpace:
         """Return the scale space that `bake` would make; made once."""
         wanted = {name: ladder.get(name, _BAKE[name].default) for name in LADDER}
         if wanted["scales"] is None or declared.scales == 0:
@@ -182,7 +194,7 @@ def _a(name: str) -> str:
     return f"an {name}" if name[:1] in "AEIOU" else f"a {name}"
 
 
-def _stamp(dataset: Any, scalars: str | None) -> Any:
+def _stamp(dataset: Any, scalars: str | None) -> tuple[Any, ...]:
     """Return when the geometry last changed, by VTK's own clock."""
     if _kind(dataset) == "mesh":
         parts = dataset.GetPoints(), dataset.GetPolys(), dataset.GetStrips()
@@ -224,7 +236,7 @@ def _dressed(dataset: Any, surface: _Surface, baked: Baked) -> Any:
     return result
 
 
-def _volume_of(image: Any, where: str, name: str) -> Any:
+def _volume_of(image: ImageData, where: str, name: str) -> Volume:
     """Return the volume of one array of an image."""
     from meshdepict.shapes.volume import Volume
 

@@ -13,12 +13,15 @@ from numpy.typing import NDArray
 from meshdepict.baking.provenance import comment_lines, was_baked
 from meshdepict.errors import MeshdepictError
 from meshdepict.scene.view import View
+from meshdepict.shapes.gbuffer import GBuffer
 
 if TYPE_CHECKING:
     from meshdepict.baking.choices import Choices
     from meshdepict.baking.refinement import EdgeError
     from meshdepict.drawing.figure import Figure
     from meshdepict.scales.space import ScaleSpace
+    from meshdepict.scene.shape import Shape
+    from meshdepict.shapes.mesh import Mesh
 
 __all__ = ["Baked", "Depiction"]
 
@@ -41,7 +44,7 @@ class Depiction:
 
     def __init__(
         self,
-        shape: Any,
+        shape: Shape,
         provenance: Mapping[str, str],
         view: View,
         look: Choices | None = None,
@@ -137,9 +140,11 @@ class Baked(Depiction):
         How it was baked, with what followed from the shape; None where nobody said.
     """
 
+    shape: Mesh | GBuffer
+
     def __init__(
         self,
-        shape: Any,
+        shape: Mesh | GBuffer,
         intensity: NDArray[Any],
         colors: NDArray[np.uint8],
         provenance: Mapping[str, str],
@@ -172,9 +177,18 @@ class Baked(Depiction):
         """Return method and size."""
         return f"<Baked: {self.provenance['method']} on {len(self.colors):,} samples>"
 
-    def _require_mesh(self) -> None:
-        if self.shape.kind != "mesh":
+    @property
+    def mesh(self) -> Mesh:
+        """The shape, where it is a mesh.
+
+        Raises
+        ------
+        MeshdepictError
+            Of an image.
+        """
+        if isinstance(self.shape, GBuffer):
             raise MeshdepictError(f"an {self.shape.kind} is no surface: save it, or bake a mesh")
+        return self.shape
 
     def save(self, path: str | Path) -> Path:
         """Write the shape with its colours; the suffix decides the format.
@@ -188,7 +202,7 @@ class Baked(Depiction):
         MeshdepictError
             For a format that holds no colours, or where the file cannot be written.
         """
-        if self.shape.kind == "image":
+        if isinstance(self.shape, GBuffer):
             return self.picture(path)
         if Path(path).suffix.lower() in (".html", ".htm"):
             from meshdepict.viewer.page import save_page
@@ -204,19 +218,17 @@ class Baked(Depiction):
 
         Polygons and other arrays are the shape's; its own colours become "original_RGB".
         """
-        self._require_mesh()
+        mesh = self.mesh
         from meshdepict.shapes.document import Saving, recolored
         from meshdepict.shapes.exchange import to_polydata
 
-        attributes = recolored(
-            self.shape.attributes["vertex"], Saving(self.colors), ours=was_baked(self.shape)
-        )
+        attributes = recolored(mesh.attributes["vertex"], Saving(self.colors), ours=was_baked(mesh))
         attributes[f"depict_{self.provenance['method']}"] = self.intensity
         poly = to_polydata(
-            self.shape.vertices,
-            self.shape.faces if self.shape.polygons is None else self.shape.polygons,
+            mesh.vertices,
+            mesh.faces if mesh.polygons is None else mesh.polygons,
             attributes,
-            self.shape.attributes["face"],
+            mesh.attributes["face"],
             self.comments,
         )
         poly.set_active_scalars("RGB", preference="point")
@@ -224,20 +236,20 @@ class Baked(Depiction):
 
     def to_trimesh(self) -> Any:
         """Return a ``trimesh.Trimesh`` with vertex colours, vertices in the same order."""
-        self._require_mesh()
+        mesh = self.mesh
         import trimesh
 
-        vertices, faces = self.shape.vertices.copy(), self.shape.faces.copy()
+        vertices, faces = mesh.vertices.copy(), mesh.faces.copy()
         return trimesh.Trimesh(vertices, faces, vertex_colors=self.colors, process=False)
 
     def show(self, **plotter: Any) -> Any:
         """As for every bake; an image has no window."""
-        self._require_mesh()
+        _ = self.mesh  # refuses an image
         return super().show(**plotter)
 
     def _draw(self, path: str | Path, figure: Figure) -> Path:
         from meshdepict.drawing.picture import save_image, save_picture
 
-        if self.shape.kind == "image":
+        if isinstance(self.shape, GBuffer):
             return save_image(self, path, background=figure.background)
         return save_picture(self, path, figure)

@@ -203,6 +203,7 @@ class Batch:
 
     def _remarks(self, baked: Baked, output: Path) -> Iterator[str]:
         """Yield what is to be known about an output."""
+        mesh = baked.mesh
         error = None if self.quiet else baked.edge_error
         if error is not None and error.rms > _VISIBLE:
             yield (
@@ -210,10 +211,10 @@ class Batch:
                 f"{error.share:.0%} of the edges by more than 2: "
             ) + (
                 "--refine 2 splits triangles there"
-                if worth_refining(baked.shape)
+                if worth_refining(mesh)
                 else "large triangles meet at sharp edges there, a finer mesh is needed"
             )
-        strips = getattr(baked.shape.document, "has_strips", False)
+        strips = getattr(mesh.document, "has_strips", False)
         if strips and suffix_of(output) == ".ply":
             yield (
                 "its triangle strips stay strips, of which PyVista and trimesh read the vertices "

@@ -173,7 +173,7 @@ def _lines(table: Mapping[str, Any]) -> list[str]:
     return [f"{name} = {_value(name, value)}" for name, value in table.items() if value is not None]
 
 
-def _value(name: str, value: Any) -> str:
+def _value(name: str, value: object) -> str:
     """Return a value as TOML writes it."""
     if isinstance(value, Mapping):
         return (

@@ -46,6 +46,8 @@ class BakedVolume(Depiction):
         Shaded voxels over all voxels.
     """
 
+    shape: Volume
+
     def __init__(
         self,
         shading: VoxelShading,

@@ -29,7 +29,7 @@ class Measured(Protocol):
     """A volume as far as its numbers tell what they mean."""
 
     hounsfield: bool
-    values: Any
+    values: NDArray[Any]
 
     @property
     def unit(self) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from importlib import import_module
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
@@ -106,7 +106,7 @@ def _session(source: Path | None, look: Look, name: str, *, volume: bool, quiet:
 
     with progress_bar(name, quiet=quiet) as progress:
         kind: type[Session] = VolumeSession if volume else Session
-        shape: Any = source
+        shape: object = source
         if not volume:
             shape = samples.golf_ball() if source is None else read_mesh(source)
         session = kind(shape, look.method, progress=progress, **look.words())

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
 from cyclopts import Parameter
 
@@ -20,6 +20,7 @@ from meshdepict.commands.parameters import (
 from meshdepict.commands.values import as_numbers
 from meshdepict.console import notes, progress_bar, say
 from meshdepict.errors import MeshdepictError
+from meshdepict.scales.ladder import Progress
 
 __all__ = ["volume"]
 
@@ -124,7 +125,7 @@ def _shade_surface(
     grid: Volume,
     value: float,
     look: Look,
-    progress: Any,
+    progress: Progress | None,
     output: Path | None,
     picture: Path | None,
     figure: Figure,
@@ -135,18 +136,19 @@ def _shade_surface(
     from meshdepict.shapes.isosurface import isosurface
 
     look = look.replace(up=look.axis(grid.kind), transfer=None)
-    done = bake_surface(isosurface(grid, value), look, progress=progress)
+    surface = isosurface(grid, value)
+    done = bake_surface(surface, look, progress=progress)
     if output is not None:
         done.save(output)
     if picture is not None:
         save_picture(done, picture, figure)
-    return f"{len(done.shape.faces):,} triangles at {value:g} {grid.unit}"
+    return f"{len(surface.faces):,} triangles at {value:g} {grid.unit}"
 
 
 def _shade_voxels(
     grid: Volume,
     look: Look,
-    progress: Any,
+    progress: Progress | None,
     output: Path | None,
     picture: Path | None,
     before: Path | None,

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from meshdepict.congruence.comparison import Comparison, options_text
 from meshdepict.errors import MeshdepictError
@@ -207,7 +208,7 @@ def _named(path: str | Path, suffix: str) -> Path:
     return Path(path)
 
 
-def _png(array: Any) -> bytes:
+def _png(array: NDArray[np.uint8]) -> bytes:
     from PIL import Image
 
     stream = io.BytesIO()

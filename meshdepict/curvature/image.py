@@ -9,6 +9,7 @@ perspective view each has another, and a flat wall is flat).
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -119,7 +120,7 @@ def sobel_principal(
     return k, d
 
 
-def _by_rows(index: Index, kernel: Any, *arguments: Any) -> None:
+def _by_rows(index: Index, kernel: Callable[..., None], *arguments: float | NDArray[Any]) -> None:
     rows = len(index) - 2
     pieces = thread_count() if index.size > 10_000 else 1
     each(lambda a, b: kernel(index, a + 1, b + 1, *arguments), spans(rows, pieces))

@@ -44,7 +44,7 @@ def clearance(levels: NDArray[Any], opacity: NDArray[np.float32]) -> NDArray[np.
     return away
 
 
-def _ends(levels: NDArray[Any], extreme: Any) -> NDArray[np.float64]:
+def _ends(levels: NDArray[Any], extreme: np.ufunc) -> NDArray[np.float64]:
     """Return the smallest or largest level of each block of cells, its far corners among them."""
     found = levels
     for axis in range(3):

@@ -92,7 +92,7 @@ class Figure:
         return max(11, round(height))
 
 
-def _pixels(size: Any, dpi: float | None) -> tuple[tuple[int, int] | None, float | None]:
+def _pixels(size: object, dpi: float | None) -> tuple[tuple[int, int] | None, float | None]:
     """Return a size in pixels and the dots per inch that go with it."""
     if size is None:
         return None, dpi
@@ -129,7 +129,7 @@ def check_pixels(size: tuple[int, int], why: str = "") -> None:
         )
 
 
-def _unit(unit: Any) -> str:
+def _unit(unit: object) -> str:
     """Return the name of a unit, however it is spelt."""
     text = str(unit).strip()
     if unit is None or not text or text in _COUNTED:
@@ -156,5 +156,5 @@ def _ground(background: str) -> tuple[int, int, int] | None:
     )
 
 
-def _is_number(value: Any) -> bool:
+def _is_number(value: object) -> bool:
     return real(value) is not None

@@ -28,6 +28,7 @@ __all__ = [
 ]
 
 Floats = NDArray[np.float64]
+Picture = ArrayLike | str | Path
 
 _UNIT = 0.01  # how far a normal's length may be off; eight bits are off by 0.007
 _NONE = 0.5  # a decoded vector shorter than this is no normal
@@ -111,7 +112,12 @@ def _deep_png(path: Path) -> NDArray[Any]:
 
 
 def surface_images(
-    normals: Any, depth: Any, mask: Any, occlusion: Any, *, green: str = "up"
+    normals: Picture,
+    depth: Picture | None,
+    mask: Picture | None,
+    occlusion: Picture | None,
+    *,
+    green: str = "up",
 ) -> SurfaceImages:
     """Return arrays or files decoded; see `GBuffer.from_images`, also for what is raised."""
     if not isinstance(green, str) or green not in ("up", "down"):
@@ -166,7 +172,7 @@ def surface_images(
     return SurfaceImages(vectors, there, away, shade)
 
 
-def image_colors(given: ArrayLike | str | Path, size: tuple[int, ...]) -> NDArray[np.uint8]:
+def image_colors(given: Picture, size: tuple[int, ...]) -> NDArray[np.uint8]:
     """Return the display colours (h, w, 3) of an array or a file; see `GBuffer.from_images`.
 
     Raises
@@ -254,7 +260,7 @@ def _neighbours(axis: int) -> tuple[Any, Any]:
     return tuple(fore), tuple(rest)
 
 
-def _array(given: Any, what: str) -> NDArray[Any]:
+def _array(given: Picture, what: str) -> NDArray[Any]:
     try:
         array = read_image(given) if isinstance(given, (str, Path)) else np.asarray(given)
     except MeshdepictError:
@@ -266,7 +272,7 @@ def _array(given: Any, what: str) -> NDArray[Any]:
     return array
 
 
-def _plane(given: ArrayLike | str | Path, what: str, size: tuple[int, ...]) -> NDArray[Any]:
+def _plane(given: Picture, what: str, size: tuple[int, ...]) -> NDArray[Any]:
     """Return one channel of the size of the normal map: a grey image's, or a colour one's first."""
     array = _array(given, what)
     if array.ndim == 3 and array.shape[2] in (1, 2, 3, 4):

@@ -100,7 +100,7 @@ def _few(
     total = np.zeros((len(normals), colors.shape[1]), np.float32)
     for light, color in zip(lights, colors, strict=True):
         direction = light.direction.astype(np.float32)
-        weight: Any = np.float32(1)
+        weight: np.float32 | NDArray[np.float32] = np.float32(1)
         if frames is not None:
             direction, weight = _unwarped(normals, direction, frames, warping)
         value = diffuse_term(material, normals, direction, eye)
@@ -129,22 +129,21 @@ def kernel_parameters(material: Material) -> tuple[int, NDArray[np.float32]]:
     MeshdepictError
         For a material that shows an environment or a painting instead of lights.
     """
-    m: Any = material
-    match m:
+    match material:
         case Lambert():
-            found: tuple[Any, ...] = (LAMBERT, m.diffuse, 0, 0)
+            found: tuple[Any, ...] = (LAMBERT, material.diffuse, 0, 0)
         case Toon():
             found = (LAMBERT, 1, 0, 0)
         case HalfLambert():
-            found = (HALF_LAMBERT, m.diffuse, 0, 0)
+            found = (HALF_LAMBERT, material.diffuse, 0, 0)
         case SubLambert():
-            found = (SUB_LAMBERT, m.diffuse, 0, m.flatness)
+            found = (SUB_LAMBERT, material.diffuse, 0, material.flatness)
         case Phong():
-            found = (PHONG, m.diffuse, m.specular, m.shininess)
+            found = (PHONG, material.diffuse, material.specular, material.shininess)
         case CookTorrance():
-            found = (COOK_TORRANCE, m.diffuse, m.reflectance, m.roughness)
+            found = (COOK_TORRANCE, material.diffuse, material.reflectance, material.roughness)
         case AshikhminShirley():
-            found = (ASHIKHMIN_SHIRLEY, m.diffuse, m.reflectance, m.shininess)
+            found = (ASHIKHMIN_SHIRLEY, material.diffuse, material.reflectance, material.shininess)
         case _:
             raise MeshdepictError(
                 f"lights don't shine on {type(material).__name__}: give an Environment as the light"

@@ -114,5 +114,8 @@ class ImageData(DataSet, Protocol):
     def array_names(self) -> list[str]:
         """Of all arrays."""
 
+    def copy(self, deep: bool = True) -> ImageData:  # noqa: FBT001, FBT002
+        """Return another one, with arrays of its own or the same."""
+
     def cell_centers(self) -> PolyData:
         """Return the middles of cells as points."""

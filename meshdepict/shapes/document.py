@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from meshdepict.errors import MeshdepictWarning
 from meshdepict.surface.mesh_input import is_drawable
+from meshdepict.surface.polygons import FacesLike
 
 if TYPE_CHECKING:
     from meshdepict.surface.polygons import Polygons
@@ -35,7 +36,7 @@ class Contents(NamedTuple):
     """What a format's reader found: the arguments of `Mesh`."""
 
     vertices: NDArray[Any]
-    faces: Any
+    faces: FacesLike
     attributes: Mapping[str, Mapping[str, Any]]
     document: Document
     length_unit: str = ""  # of the coordinates, where the format or the file says so

@@ -20,7 +20,7 @@ from meshdepict.surface.mesh_input import (
     checked_attributes,
     place_strays,
 )
-from meshdepict.surface.polygons import as_polygons, triangulate
+from meshdepict.surface.polygons import FacesLike, as_polygons, triangulate
 
 if TYPE_CHECKING:
     from meshdepict.shapes.document import Contents
@@ -61,7 +61,7 @@ class Mesh(Geometry):
     def __init__(
         self,
         vertices: ArrayLike,
-        faces: Any,
+        faces: FacesLike,
         *,
         attributes: Mapping[str, Mapping[str, Any]] | None = None,
         winding: str = "auto",

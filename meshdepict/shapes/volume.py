@@ -12,7 +12,7 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike, DTypeLike, NDArray
 
 from meshdepict.color.hounsfield import check_rescale
 from meshdepict.errors import MeshdepictError
@@ -153,7 +153,7 @@ class Volume(Grid):
         values = self.values
         if (slope, intercept) != (1, 0):
             whole = float(slope).is_integer() and float(intercept).is_integer()
-            kind: Any = np.float32
+            kind: DTypeLike = np.float32
             if whole and values.dtype.kind in "iu":
                 kind = fitting_integer(*(slope * end + intercept for end in self.range))
             values = np.empty(self.values.shape, kind)

@@ -6,7 +6,7 @@ such corners are brought together for it; the vertices of the mesh stay as they 
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -100,15 +100,15 @@ def _links(points: Floats, shortest: Floats, bound: float) -> tuple[Ints, Ints, 
         return None
     radius = np.minimum(bound, shortest / _LARGER)
     tree = cKDTree(points)
-    nearest: Any = tree.query(points, k=2, distance_upper_bound=bound)[0]  # the first is itself
+    # The first of the two is the point itself.
+    nearest = np.asarray(tree.query(points, k=2, distance_upper_bound=bound)[0])
     with_fellows = np.flatnonzero(nearest[:, 1] <= radius)
     if len(with_fellows) == 0:
         return None
     fellows = min(_FELLOWS, len(points))
-    distance: Any
-    distance, j = tree.query(points[with_fellows], k=fellows, distance_upper_bound=bound)
+    away, j = tree.query(points[with_fellows], k=fellows, distance_upper_bound=bound)
     i = np.repeat(with_fellows, fellows)
-    j, distance = j.reshape(-1), distance.reshape(-1)
+    j, distance = np.ravel(j), np.ravel(away)
     found = np.isfinite(distance) & (i != np.minimum(j, len(points) - 1))
     i, j, distance = i[found], j[found], distance[found]
     close = distance <= np.minimum(radius[i], radius[j])

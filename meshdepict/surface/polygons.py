@@ -2,15 +2,23 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from itertools import chain
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from meshdepict.errors import MeshdepictError
 
-__all__ = ["Polygons", "as_polygons", "strip_triangles", "triangulate", "whole_numbers"]
+__all__ = [
+    "FacesLike",
+    "Polygons",
+    "as_polygons",
+    "strip_triangles",
+    "triangulate",
+    "whole_numbers",
+]
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -35,7 +43,11 @@ class Polygons(NamedTuple):
         return Polygons(self.connectivity[first + step], self.offsets)
 
 
-def as_polygons(faces: Any) -> Polygons:
+FacesLike: TypeAlias = ArrayLike | Polygons | Sequence[ArrayLike]
+"""(m, k) indices, or a list of polygons, each a list of indices, or `Polygons`."""
+
+
+def as_polygons(faces: FacesLike) -> Polygons:
     """Return faces of any accepted form as new `Polygons`.
 
     Parameters
@@ -75,7 +87,7 @@ def _from_lists(faces: Any) -> Polygons:
     return Polygons(whole_numbers(flat), np.concatenate(([0], np.cumsum(sizes))))
 
 
-def whole_numbers(values: Any) -> Ints:
+def whole_numbers(values: ArrayLike) -> Ints:
     """Return indices as a new array.
 
     Raises

@@ -8,6 +8,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 if TYPE_CHECKING:
     from meshdepict.scene.view import View
@@ -55,5 +56,5 @@ def sight(view: View) -> dict[str, Any]:
     return {"frame": view.frame.tolist(), "focus": view.focus.tolist(), "scale": scale}
 
 
-def _differences(rows: Any) -> Any:
+def _differences(rows: NDArray[Any]) -> NDArray[Any]:
     return np.diff(rows, axis=0, prepend=np.zeros_like(rows[:1]))

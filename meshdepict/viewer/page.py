@@ -12,7 +12,7 @@ import json
 import zlib
 from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from meshdepict.files.atomic import atomic_write
 from meshdepict.viewer.packing import pack_mesh, sight
@@ -40,7 +40,7 @@ def save_page(baked: Baked, path: str | Path) -> Path:
         Where the file can't be written.
     """
     path = Path(path)
-    packed, info = pack_mesh(baked.shape)
+    packed, info = pack_mesh(baked.mesh)
     method = baked.provenance["method"].replace("_", " ")
     name = path.stem.encode(errors="replace").decode()  # a file's name need not be text
     parts = {
@@ -72,7 +72,7 @@ def _deflated(data: bytes) -> str:
     return base64.b64encode(zlib.compress(data, 9)).decode()
 
 
-def _json(value: Any) -> str:
+def _json(value: object) -> str:
     return json.dumps(value).replace("<", "\\u003c")  # nothing can end the script element
 
 

@@ -16,7 +16,7 @@ import math
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import DTypeLike, NDArray
 
 __all__ = ["Band", "gaussian_band"]
 
@@ -47,7 +47,7 @@ class Band(NamedTuple):
         start = self.start[begin:end]
         return int(start.min()), int(start.max()) + self.taps
 
-    def rows(self, begin: int, end: int, first: int, kind: Any) -> Band:
+    def rows(self, begin: int, end: int, first: int, kind: DTypeLike) -> Band:
         """Return rows [begin, end) for an array that begins at input `first`."""
         weights = np.ascontiguousarray(self.weights[:, begin:end], kind)
         return Band(self.start[begin:end] - first, weights)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import DTypeLike, NDArray
 
 from meshdepict.voxels.grid import Triple
 from meshdepict.voxels.grid_samples import Samples
@@ -70,7 +70,7 @@ class Scattered:
     def __init__(self, samples: Samples, values: NDArray[Any], shape: Triple) -> None:
         self.samples, self.values, self.shape = samples, values, shape
 
-    def read(self, low: Triple, high: Triple, kind: Any) -> NDArray[Any]:
+    def read(self, low: Triple, high: Triple, kind: DTypeLike) -> NDArray[Any]:
         """Return a box that holds all samples of its slices."""
         block = np.zeros([b - a for a, b in zip(low, high, strict=True)], kind)
         rows = self.samples.rows

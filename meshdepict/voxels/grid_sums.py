@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from typing import Any, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import DTypeLike, NDArray
 
 from meshdepict.voxels.gaussian_bands import Band, gaussian_band
 from meshdepict.voxels.grid import Triple
@@ -66,7 +66,7 @@ class Piece:
         low, high = self.range
         return (high / 2 - low / 2) or 1.0
 
-    def read(self, low: Triple, high: Triple, kind: Any) -> NDArray[Any]:
+    def read(self, low: Triple, high: Triple, kind: DTypeLike) -> NDArray[Any]:
         """Return scaled values of a box of the whole grid's voxels as contiguous floats."""
         box = tuple(slice(a - c, b - c) for a, b, c in zip(low, high, self.corner, strict=True))
         part = np.asarray(self.values[box])
@@ -94,7 +94,7 @@ class Grid(Protocol):
     def shape(self) -> Triple:
         """Size of the whole grid."""
 
-    def read(self, low: Triple, high: Triple, kind: Any) -> NDArray[Any]:
+    def read(self, low: Triple, high: Triple, kind: DTypeLike) -> NDArray[Any]:
         """Return values of a box of the whole grid's voxels as contiguous floats."""
 
 
@@ -173,7 +173,7 @@ class GridSums:
             bands = _rows(first, (z0, *corner[1:]), (z1, *high[1:]), start, self.kind)
             resample(block, bands, thin[begin:end])
 
-        def read(low: Triple, high: Triple, kind: Any) -> NDArray[Any]:
+        def read(low: Triple, high: Triple, kind: DTypeLike) -> NDArray[Any]:
             box = tuple(slice(a - c, b - c) for a, b, c in zip(low, high, corner, strict=True))
             return np.ascontiguousarray(thin[box], kind)
 
@@ -219,7 +219,7 @@ def _two_steps(
 
 
 def _rows(
-    bands: list[Band], low: Iterable[int], high: Iterable[int], start: Triple, kind: Any
+    bands: list[Band], low: Iterable[int], high: Iterable[int], start: Triple, kind: DTypeLike
 ) -> tuple[Band, Band, Band]:
     """Return the rows of a box of outputs, for a block of inputs that begins at `start`."""
     parts = zip(bands, low, high, start, strict=True)

@@ -12,6 +12,7 @@ from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from meshdepict.baking.recipe import save_recipe
 from meshdepict.errors import MeshdepictError
@@ -136,11 +137,11 @@ class Desk:
 
     # --- changes ------------------------------------------------------------------------------
 
-    def _option(self, method: str, name: str, value: Any) -> None:
+    def _option(self, method: str, name: str, value: object) -> None:
         if method == self.session.method:  # else another one was chosen meanwhile
             self.session.set(**{name: value})
 
-    def _look(self, frame: Any, focus: Any, half_height: Any) -> None:
+    def _look(self, frame: ArrayLike, focus: ArrayLike, half_height: float) -> None:
         axes, centre = (np.asarray(numbers, dtype=np.float64) for numbers in (frame, focus))
         if axes.shape != (3, 3) or centre.shape != (3,):
             raise MeshdepictError("a view needs three axes and a focus")
@@ -154,10 +155,10 @@ class Desk:
     def _use(self, method: str) -> None:
         self.session.use(method)
 
-    def _shine(self, direction: Any) -> None:
+    def _shine(self, direction: ArrayLike) -> None:
         self.session.shine(Light(direction))
 
-    def _follow(self, follow: Any) -> None:
+    def _follow(self, follow: object) -> None:
         self.session.fix_light("eye" if follow else "object")
 
     def _paint(self, colormap: str | None) -> None:

@@ -8,8 +8,12 @@ Host.
 from __future__ import annotations
 
 import secrets
-from collections.abc import Awaitable, Callable
-from typing import Any
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from aiohttp.typedefs import Handler, Middleware
+    from aiohttp.web import Request, StreamResponse
 
 __all__ = ["Gate"]
 
@@ -45,17 +49,17 @@ class Gate:
         """What a person opens."""
         return f"http://{self.hosts[0]}/?token={self.token}"
 
-    def middleware(self) -> Any:
+    def middleware(self) -> Middleware:
         """Return the middleware for aiohttp."""
         from aiohttp import web
 
         @web.middleware
-        async def guard(request: Any, handler: Callable[[Any], Awaitable[Any]]) -> Any:
+        async def guard(request: Request, handler: Handler) -> StreamResponse:
             if request.method not in ("GET", "HEAD") or not self._admits(request):
                 return web.Response(status=403, text=_REFUSAL, headers=self._headers())
             page = self._page(request.host)
             if request.path in ("/", "/index.html") and request.path_qs != page:
-                response = web.Response(status=302, headers={"Location": page})
+                response: StreamResponse = web.Response(status=302, headers={"Location": page})
             else:
                 response = await handler(request)
             if not response.prepared:  # a web socket's is under way
@@ -65,7 +69,7 @@ class Gate:
 
         return guard
 
-    def _admits(self, request: Any) -> bool:
+    def _admits(self, request: Request) -> bool:
         host, origin = request.headers.get("Host"), request.headers.get("Origin")
         if host not in self.hosts or origin not in (None, f"http://{host}"):
             return False

@@ -24,6 +24,8 @@ from meshdepict.viewer.packing import pack_mesh
 from meshdepict.viewer.page import WEB
 
 if TYPE_CHECKING:
+    from aiohttp.web import Request, Response
+
     from meshdepict.viewer.session import Session
 
 __all__ = ["serve"]
@@ -201,18 +203,18 @@ class _Server:
         router.add_get("/loading.tpl", self._send_loading)
         router.add_static("/depict/web", WEB)
 
-    async def _send_mesh(self, request: Any) -> Any:
+    async def _send_mesh(self, request: Request) -> Response:
         return _bytes(self.mesh)
 
-    async def _send_colors(self, request: Any) -> Any:
+    async def _send_colors(self, request: Request) -> Response:
         return _bytes(self.colors)
 
-    async def _send_loading(self, request: Any) -> Any:
+    async def _send_loading(self, request: Request) -> Response:
         from aiohttp import web
 
         return web.Response(text="<p style='font: 1rem system-ui; padding: 4rem'>loading …</p>")
 
-    async def _send_file(self, request: Any) -> Any:
+    async def _send_file(self, request: Request) -> Response:
         from aiohttp import web
 
         kind = request.match_info["kind"]
@@ -273,7 +275,7 @@ class _Server:
             state.progress = share
 
 
-def _bytes(data: bytes, **headers: str) -> Any:
+def _bytes(data: bytes, **headers: str) -> Response:
     from aiohttp import web
 
     return web.Response(body=data, content_type="application/octet-stream", headers=headers)

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from meshdepict.color.colormaps import colormap as color_table
 
@@ -48,5 +49,5 @@ def table_uniforms(name: str | None) -> Uniforms:
     if name is None:
         return {}
     red, green, blue = color_table(name).astype(np.int64).T
-    packed: Any = (red * 65536 + green * 256 + blue).astype(np.float64)
+    packed: NDArray[np.float64] = (red * 65536 + green * 256 + blue).astype(np.float64)
     return {"colors": packed.reshape(16, 4, 4)}

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -20,7 +20,7 @@ Options = Mapping[str, Any]
 Attributes = dict[str, NDArray[np.float32]]
 
 
-def packed(sets: Any, *, bits: int = 16) -> Attributes:
+def packed(sets: Sequence[NDArray[Any]] | NDArray[Any], *, bits: int = 16) -> Attributes:
     """Return sets of normals (k, n, 3) as the attributes normals0, normals1, …."""
     found = pack_normals(sets, bits=bits)
     return {f"normals{i}": numbers for i, numbers in enumerate(found)}
@@ -31,7 +31,7 @@ def original_normals(space: ScaleSpace, view: View, options: Options) -> tuple[i
     return 1, packed(space.normals[:1])
 
 
-def _none(*_: Any) -> dict[str, Any]:
+def _none(*_: object) -> dict[str, Any]:
     return {}
 
 

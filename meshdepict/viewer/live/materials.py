@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 from meshdepict.drawing.shader import Uniforms
 from meshdepict.errors import MeshdepictError
 from meshdepict.scene.material import Lambert, Phong, adjusted, ambient_term, as_material
@@ -35,7 +33,7 @@ def live_material(options: Options) -> Lambert | Phong:
     MeshdepictError
         For other materials than Lambert and Phong, and parameters that these don't have.
     """
-    material: Any = as_material(options["material"])
+    material = as_material(options["material"])
     if not isinstance(material, (Lambert, Phong)):
         raise MeshdepictError(
             f"live shading has the materials lambert and phong, not {type(material).__name__}; "
