@@ -70,6 +70,8 @@ class Batch:
     force : bool
         Whether to replace files that this program didn't write.
     quiet : bool
+    taken : list of Look
+        What was done, with the up and the view that suited each mesh.
     """
 
     inputs: Sequence[Path]
@@ -82,6 +84,7 @@ class Batch:
     triangles: bool = False
     force: bool = False
     quiet: bool = False
+    taken: list[Look] = field(default_factory=list, init=False)
 
     @cached_property
     def _input_identities(self) -> frozenset[Hashable]:
@@ -150,9 +153,9 @@ class Batch:
             return samples.golf_ball()
         return read_mesh(source, winding=self.winding)
 
-    def _check_fit(self, mesh: Mesh) -> None:
+    def _check_fit(self, mesh: Mesh, look: Look) -> None:
         """Refuse what is too large for its picture, before the long work."""
-        frame(self.look.eye(mesh), mesh, self.figure)
+        frame(look.eye(mesh), mesh, self.figure)
 
     def _bake(self, job: Job) -> str:
         """Bake one mesh, write the files and return the line about it."""
@@ -164,9 +167,11 @@ class Batch:
                 mesh = mesh.rewound()
             if self.triangles:
                 mesh = mesh.as_triangles()
+            look = self.look.posed(mesh)
             if job.picture:
-                self._check_fit(mesh)
-            baked = bake_surface(mesh, self.look, progress=progress)
+                self._check_fit(mesh, look)
+            baked = bake_surface(mesh, look, progress=progress)
+            self.taken.append(look)
             baked.save(job.output)
             if job.picture:
                 save_picture(baked, job.picture, self.figure)

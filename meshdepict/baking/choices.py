@@ -9,6 +9,7 @@ from __future__ import annotations
 import dataclasses
 import functools
 import inspect
+import warnings
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from numbers import Real
@@ -16,7 +17,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self
 
 from meshdepict import color
 from meshdepict.color import colormaps2d
-from meshdepict.errors import MeshdepictError
+from meshdepict.errors import MeshdepictError, MeshdepictWarning
 from meshdepict.options import check, options_of
 from meshdepict.scales.ladder import FACING, TOLERANCE
 from meshdepict.scene.names import as_view
@@ -26,9 +27,12 @@ from meshdepict.scene.view import View
 if TYPE_CHECKING:
     from meshdepict.shading.method import Declaration
 
-__all__ = ["LADDER", "Choices", "choice_fields", "takes_choices"]
+__all__ = ["AUTO", "LADDER", "Choices", "choice_fields", "takes_choices"]
 
 MESH, VOLUME = "mesh", "volume"
+
+AUTO = "auto"
+"""Of up and view: what suits the shape."""
 
 LADDER = ("scales", "width", "ratio", "facing", "tolerance")
 """Those of the choices that scale spaces are made with."""
@@ -52,11 +56,11 @@ class Choices:
         For some methods also a sequence of these, or an Environment or its file (.hdr).
         Names and angles refer to the view.
     view : str or View
-        "front", "top", …; fitted to the shape. "auto" looks down on a sheet that lies like a
-        terrain, and at the front of anything else.
-    up : {"y", "z", "-y", "-z"}, optional
+        "front", "top", …; fitted to the shape. "auto" takes the one that shows most of it; see
+        `shapes.standing`.
+    up : {"y", "z", "-y", "-z", "x", "-x", "auto"}, optional
         Which axis of the shape points up; unless given y, and z of a volume, as in a patient's
-        frame.
+        frame. "auto" takes what the file's format defines, else how the shape can stand.
     scales, width, ratio, facing, tolerance
         See `scale_space`; None takes what the method declares.
     colormap : str, optional
@@ -93,10 +97,11 @@ class Choices:
     view: str | View = _choice(
         "front",
         "Where names of lights and the picture look from: front, back, left, right, top, bottom, "
-        "isometric, or auto: from above where it lies like a terrain, else front.",
+        "isometric, or auto: what shows most of it.",
     )
-    up: Literal["y", "z", "-y", "-z"] | None = _choice(
-        None, "Axis of the object that points up: y unless given, and z of a volume."
+    up: Literal["auto", "y", "z", "-y", "-z", "x", "-x"] | None = _choice(
+        None,
+        "Axis of the object that points up, or auto: as its format has it, else as it can stand.",
     )
     colormap: str | None = _choice(
         None, "Colours for dark to bright; grey unless given.", only=MESH
@@ -162,7 +167,7 @@ class Choices:
                 )
         if self.colormap2d is not None:
             colormaps2d.colormap2d(self.colormap2d)
-        if self.up is not None:
+        if self.up is not None and not (isinstance(self.up, str) and self.up == AUTO):
             upright(self.up)  # refuses what can't be up
         if not isinstance(self.albedo, str) or self.albedo not in ("none", "keep"):
             raise MeshdepictError(f"albedo={self.albedo!r} is neither 'keep' nor 'none'")
@@ -204,14 +209,26 @@ class Choices:
         """Return which axis points up of a kind of shape: as chosen, else as usual."""
         return self.up or ("z" if kind == VOLUME else "y")
 
+    def posed(self, shape: Any) -> Self:
+        """Return these choices with what suits a shape where up and view are "auto"."""
+        sight = isinstance(self.view, str) and self.view == AUTO
+        if self.up == AUTO:
+            from meshdepict.shapes.standing import standing
+
+            found = standing(shape)
+            if found.note:
+                warnings.warn(found.note, MeshdepictWarning, stacklevel=3)
+            return self.replace(up=found.up, **({"view": found.view} if sight else {}))
+        if sight:
+            from meshdepict.shapes.standing import automatic_view
+
+            return self.replace(view=automatic_view(shape, self.axis(shape.kind)))
+        return self
+
     def eye(self, shape: Any) -> View:
         """Return the view of a shape."""
-        up, name = self.axis(shape.kind), self.view
-        if isinstance(name, str) and name == "auto":
-            from meshdepict.baking.sheets import automatic_view
-
-            name = automatic_view(shape, up)
-        return as_view(name, shape, up=up)
+        look = self.posed(shape)
+        return as_view(look.view, shape, up=look.axis(shape.kind))
 
     def shade(self, space: Any, light: Any, view: View) -> Any:
         """Return what the method makes of a scale space's samples under a light."""

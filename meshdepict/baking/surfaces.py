@@ -40,17 +40,16 @@ def bake_surface(shape: Any, look: Choices, *, progress: Progress | None = None)
     """
     kind = _kind(shape) or "mesh"
     chosen, look = look, look.of_kind(kind)
-    up, (scales, ratio) = look.axis(kind), look.ladder
+    scales, ratio = look.ladder
     if isinstance(shape, ScaleSpace):
         mesh: Any = shape.shape
     else:
         mesh = shape if kind == "image" else as_mesh(shape)
     own = own_colors(mesh) if look.albedo == "keep" else None
+    look = look.posed(mesh)
     eye = look.eye(mesh)
-    if isinstance(look.view, str) and look.view == "auto":
-        look = look.replace(view=eye.name)
     lamp = (
-        as_lighting(look.light, eye, up=up)
+        as_lighting(look.light, eye, up=look.axis(kind))
         if look.colormap2d is None
         else as_light(look.light, eye)
     )

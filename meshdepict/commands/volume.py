@@ -131,7 +131,8 @@ def _shade_surface(
     from meshdepict.drawing.picture import save_picture
     from meshdepict.shapes.isosurface import isosurface
 
-    look = look.replace(up=look.axis(grid.kind), transfer=None)
+    look = look.posed(grid).replace(transfer=None)
+    look = look.replace(up=look.axis(grid.kind))
     done = bake_surface(isosurface(grid, value), look, progress=progress)
     if output is not None:
         done.save(output)

@@ -144,7 +144,9 @@ def compare(
     functions = _by_name(usual_methods() if methods is None else methods)
     chosen = _options(functions, options or {})
     mesh = as_mesh(shape)
-    eye = view if isinstance(view, View) else _fitted(view, mesh, up, size)
+    seen = Look(view=view, up=up).posed(mesh)
+    view = seen.view
+    eye = view if isinstance(view, View) else _fitted(view, mesh, seen.axis(mesh.kind), size)
     buffer = GBuffer.of(mesh, eye, size=size)
     eye = buffer.view
     lamps = tuple(light_directions(eye) if lights is None else (as_light(x, eye) for x in lights))

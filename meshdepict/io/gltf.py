@@ -76,7 +76,7 @@ def decode(data: bytes, path: Path) -> Contents:
     if joined or lost:
         said = ", ".join(joined + [f"its {what} are not kept" for what in lost])
         warnings.warn(f"{path}: {said}", MeshdepictWarning, stacklevel=2)
-    return _joined(parts, Document(provenance=_lines(header)))
+    return _joined(parts, Document(provenance=_lines(header), up="y"))
 
 
 def _unpacked(data: bytes) -> tuple[dict[str, Any], bytes]:

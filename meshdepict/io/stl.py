@@ -40,7 +40,7 @@ def decode(data: bytes, path: Path) -> Contents:
     with np.errstate(invalid="ignore"):  # a signalling NaN: `Mesh` says what it thinks of those
         corners = corners.astype(np.float64)
     vertices, faces = _joined(corners)
-    return Contents(vertices, faces, {}, Document())
+    return Contents(vertices, faces, {}, Document(up="z"))  # of whoever prints it
 
 
 def provenance(file: BinaryIO) -> tuple[str, ...]:

@@ -302,7 +302,7 @@ class Mesh:
             warnings.warn(
                 f"texture coordinates are lost where {where}", MeshdepictWarning, stacklevel=3
             )
-        return Document(provenance=self.document.provenance)
+        return Document(provenance=self.document.provenance, up=self.document.up)
 
     # --- what shading needs -----------------------------------------------------------------
 

@@ -76,7 +76,7 @@ class Session:
         """Choose what a look says."""
         refuse_unshown(look)
         look.of_kind(self.shape.kind)  # refuses what is about other kinds
-        self._asked = look
+        self._asked = look = look.posed(self.shape)
         self.up = look.axis(self.shape.kind)
         self.view = look.eye(self.shape)
         self.light = as_lighting(look.light, self.view, up=self.up)
