@@ -26,8 +26,9 @@ from meshdepict.scene.view import View
 
 if TYPE_CHECKING:
     from meshdepict.shading.method import Declaration
+    from meshdepict.shapes.mesh import Mesh
 
-__all__ = ["AUTO", "LADDER", "Choices", "choice_fields", "takes_choices"]
+__all__ = ["AUTO", "LADDER", "SIDES", "Choices", "choice_fields", "takes_choices"]
 
 MESH, VOLUME = "mesh", "volume"
 
@@ -36,6 +37,9 @@ AUTO = "auto"
 
 LADDER = ("scales", "width", "ratio", "facing", "tolerance")
 """Those of the choices that scale spaces are made with."""
+
+SIDES = ("creases", "normals")
+"""Those that their surface is made with."""
 
 
 def _choice(default: Any, help: str, *, group: str = "Look", only: str = "") -> Any:  # noqa: A002
@@ -68,6 +72,11 @@ class Choices:
     colormap2d : {"dusk", "earth", "swiss"}, optional
         A map of two results: under the light, and under the light turned by 90° clockwise as the
         view sees it (northwest and northeast).
+    creases : float, optional
+        Edges at which the surface bends by more than so many degrees are sharp: vertices there are
+        parted, so that planes have one normal. New vertices come after the old ones.
+    normals : {"computed", "file"}
+        "file" takes the normals that the file holds; vertices that have several are parted.
     albedo : {"none", "keep"}
         "keep" multiplies the shape's own vertex colours, in linear light.
     refine : float, optional
@@ -138,6 +147,16 @@ class Choices:
         group="Detail",
         only=MESH,
     )
+    creases: float | None = _choice(
+        None,
+        "Edges that bend by more than so many degrees are sharp: vertices there are parted. 40 "
+        "suits CAD.",
+        group="Detail",
+        only=MESH,
+    )
+    normals: Literal["computed", "file"] = _choice(
+        "computed", "file: take the file's own normals.", group="Detail", only=MESH
+    )
     albedo: Literal["keep", "none"] = _choice(
         "none", "keep: multiply the file's own colours.", group="Files", only=MESH
     )
@@ -171,6 +190,16 @@ class Choices:
             upright(self.up)  # refuses what can't be up
         if not isinstance(self.albedo, str) or self.albedo not in ("none", "keep"):
             raise MeshdepictError(f"albedo={self.albedo!r} is neither 'keep' nor 'none'")
+        if self.creases is not None:
+            from meshdepict.shapes.parted import check_creases
+
+            check_creases(self.creases)
+        if not isinstance(self.normals, str) or self.normals not in ("computed", "file"):
+            raise MeshdepictError(f"normals={self.normals!r} is neither 'computed' nor 'file'")
+        if self.creases is not None and self.normals == "file":
+            raise MeshdepictError(
+                "the file's normals say themselves which edges are sharp: leave creases out"
+            )
         if not isinstance(self.two_sided, bool):
             raise MeshdepictError(f"two_sided={self.two_sided!r} is neither True nor False")
 
@@ -208,6 +237,35 @@ class Choices:
     def axis(self, kind: str) -> str:
         """Return which axis points up of a kind of shape: as chosen, else as usual."""
         return self.up or ("z" if kind == VOLUME else "y")
+
+    def surface(self, mesh: Mesh) -> Mesh:
+        """Return a mesh with the normals that were chosen: parted at creases, or the file's."""
+        from meshdepict.shapes.parted import PartedMesh
+
+        if isinstance(mesh, PartedMesh):  # made with choices of its own
+            made = (mesh.creases, mesh.chosen_normals)
+            if made == (self.creases, self.normals) or not self.words().keys() & set(SIDES):
+                return mesh
+            return self.surface(mesh.before)
+        if self.normals == "file":
+            from meshdepict.shapes.own_normals import with_own_normals
+
+            found = with_own_normals(mesh)
+            where = "that have several normals in the file"
+        elif self.creases is not None:
+            from meshdepict.shapes.parted import parted_at_creases
+
+            found = parted_at_creases(mesh, self.creases)
+            where = f"at edges sharper than {self.creases:g}°"
+        else:
+            return mesh
+        if found.added:
+            warnings.warn(
+                f"{found.added:,} vertices were added for those {where}",
+                MeshdepictWarning,
+                stacklevel=3,
+            )
+        return found
 
     def posed(self, shape: Any) -> Self:
         """Return these choices with what suits a shape where up and view are "auto"."""

@@ -42,6 +42,7 @@ def describe(look: Choices, space: ScaleSpace, *, light: Any) -> dict[str, str]:
         ),
         "scales": _scales(space),
         **({"occlusion": "; ".join(occlusion)} if occlusion else {}),
+        **_sharp(space.shape),
         "light": str(light),
         "view": f"{look.view}, up {look.up}" if isinstance(look.view, str) else str(look.view),
         "colormap": look.colormap or look.colormap2d or "gray",
@@ -63,6 +64,15 @@ def comment_lines(provenance: Mapping[str, str]) -> list[str]:
 def was_baked(mesh: Mesh) -> bool:
     """Whether a mesh's red, green and blue are those of a former bake."""
     return isinstance(mesh.document, Document) and bool(mesh.document.provenance)
+
+
+def _sharp(shape: Any) -> dict[str, str]:
+    """Return which normals were not computed from all that meets at a vertex."""
+    if getattr(shape, "chosen_normals", "computed") == "file":
+        return {"normals": f"the file's, {shape.added} vertices added"}
+    if getattr(shape, "creases", None) is not None:
+        return {"creases": f"{shape.creases:g} degrees, {shape.added} vertices added"}
+    return {}
 
 
 def _scales(space: Any) -> str:

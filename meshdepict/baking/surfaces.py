@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from meshdepict import color
 from meshdepict.baking.baked import Baked
-from meshdepict.baking.choices import LADDER, Choices, choice_fields
+from meshdepict.baking.choices import LADDER, SIDES, Choices, choice_fields
 from meshdepict.baking.clipping import warn_of_clipping
 from meshdepict.baking.provenance import describe, was_baked
 from meshdepict.baking.sheets import warn_of_backs
@@ -44,7 +44,9 @@ def bake_surface(shape: Any, look: Choices, *, progress: Progress | None = None)
     if isinstance(shape, ScaleSpace):
         mesh: Any = shape.shape
     else:
-        mesh = shape if kind == "image" else as_mesh(shape)
+        mesh = shape if kind == "image" else look.surface(as_mesh(shape))
+    _refuse_other_sides(mesh, look)
+    look = look.replace(**_sides(mesh))
     own = own_colors(mesh) if look.albedo == "keep" else None
     look = look.posed(mesh)
     eye = look.eye(mesh)
@@ -97,6 +99,25 @@ def bake_surface(shape: Any, look: Choices, *, progress: Progress | None = None)
         space=None if look.refine is not None else space, shade=each if local else None,
         look=look.replace(light=lamp),
     )  # fmt: skip
+
+
+def _sides(shape: Any) -> dict[str, Any]:
+    """Return the choices that a mesh's sides were made with."""
+    return {"creases": getattr(shape, "creases", None)} | {
+        "normals": getattr(shape, "chosen_normals", choice_fields()["normals"].default)
+    }
+
+
+def _refuse_other_sides(shape: Any, chosen: Choices) -> None:
+    """Refuse to ask a finished surface for what it wasn't made with."""
+    made = _sides(shape)
+    for name in SIDES:
+        value = getattr(chosen, name)
+        if value not in (choice_fields()[name].default, made[name]):
+            raise MeshdepictError(
+                f"{name}={value!r} is about a mesh that is yet to be sampled: leave it out, or "
+                "bake the mesh"
+            )
 
 
 def _kind(shape: Any) -> str | None:

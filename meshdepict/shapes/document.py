@@ -68,6 +68,11 @@ class Document:
         return None
 
     @property
+    def own_normals(self) -> tuple[NDArray[np.float64], NDArray[np.int64]] | None:
+        """(t, 3) normals, and which of them each corner has (−1: none), or None."""
+        return None
+
+    @property
     def has_strips(self) -> bool:
         """Whether triangle strips are among the file's faces."""
         return False

@@ -53,6 +53,8 @@ class Mesh:
         What the file's reader wants the file's writer to know.
     length_unit : str
         What the coordinates are measured in, "m" or "mm" for instance; empty where unknown.
+    groups : (n,) array of int, optional
+        Which vertices share a normal, numbered from 0 without gaps; found by position unless given.
 
     Raises
     ------
@@ -72,6 +74,7 @@ class Mesh:
         winding: str = "auto",
         document: object = None,
         length_unit: str = "",
+        groups: NDArray[np.int64] | None = None,
     ) -> None:
         self.vertices = as_vertices(vertices)
         polygons = as_polygons(faces)
@@ -104,6 +107,7 @@ class Mesh:
         self.winding = winding
         self.document = document
         self.length_unit = length_unit
+        self._groups = groups
         for array in (self.vertices, self.faces, self._owner, *polygons):
             array.setflags(write=False)
 
@@ -339,6 +343,8 @@ class Mesh:
 
         Groups are numbered from 0 without gaps.
         """
+        if self._groups is not None:
+            return frozen(self._groups)
         position = same_position(self._sides.points)
         if position is None:
             return None

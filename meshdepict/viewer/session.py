@@ -68,8 +68,9 @@ class Session:
         progress: Callable[[float, float], None] | None = None,
         **chosen: Any,
     ) -> None:
-        self.shape = as_mesh(shape)
-        self._begin(Look(method, **chosen), progress)
+        look = Look(method, **chosen)
+        self.shape = look.surface(as_mesh(shape))
+        self._begin(look, progress)
         self._first = self.look_now()
 
     def _begin(self, look: Look, progress: Callable[[float, float], None] | None) -> None:
