@@ -74,6 +74,8 @@ class Batch:
     force : bool
         Whether to replace files that this program didn't write.
     quiet : bool
+    taken : list of Look
+        What was done, with the up and the view that suited each mesh.
     """
 
     inputs: Sequence[Path]
@@ -86,6 +88,7 @@ class Batch:
     triangles: bool = False
     force: bool = False
     quiet: bool = False
+    taken: list[Look] = field(default_factory=list, init=False)
 
     @cached_property
     def _input_identities(self) -> frozenset[Hashable]:
@@ -159,9 +162,9 @@ class Batch:
             return samples.golf_ball()
         return read_mesh(source, winding=self.winding)
 
-    def _check_fit(self, mesh: Mesh) -> None:
+    def _check_fit(self, mesh: Mesh, look: Look) -> None:
         """Refuse what is too large for its picture, before the long work."""
-        frame(self.look.eye(mesh), mesh, self.figure)
+        frame(look.eye(mesh), mesh, self.figure)
 
     def _bake(self, job: Job, heard: Heard) -> str:
         """Bake one mesh, write the files and return the line about it."""
@@ -176,9 +179,11 @@ class Batch:
                 mesh = mesh.rewound()
             if self.triangles:
                 mesh = mesh.as_triangles()
+            look = self.look.posed(mesh)
             if job.picture:
-                self._check_fit(mesh)
-            baked = bake_surface(mesh, self.look, progress=progress)
+                self._check_fit(mesh, look)
+            baked = bake_surface(mesh, look, progress=progress)
+            self.taken.append(look)
             baked.save(job.output)
             if job.first:
                 job = self._show_first(baked, job)

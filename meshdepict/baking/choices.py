@@ -9,6 +9,7 @@ from __future__ import annotations
 import dataclasses
 import functools
 import inspect
+import warnings
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from numbers import Real
@@ -16,11 +17,10 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self
 
 from meshdepict import color
 from meshdepict.color import colormaps2d
-from meshdepict.errors import MeshdepictError
+from meshdepict.errors import MeshdepictError, MeshdepictWarning
 from meshdepict.options import check, options_of
 from meshdepict.scales.ladder import FACING, TOLERANCE
 from meshdepict.scene.names import LightsLike, as_view
-from meshdepict.scene.shape import Shape
 from meshdepict.scene.upright import upright
 from meshdepict.scene.view import View
 
@@ -30,13 +30,20 @@ if TYPE_CHECKING:
 
     from meshdepict.scales.space import ScaleSpace
     from meshdepict.shading.method import Declaration
+    from meshdepict.shapes.mesh import Mesh
 
-__all__ = ["LADDER", "Choices", "choice_fields", "takes_choices"]
+__all__ = ["AUTO", "LADDER", "SIDES", "Choices", "choice_fields", "takes_choices"]
 
 MESH, VOLUME = "mesh", "volume"
 
+AUTO = "auto"
+"""Of up and view: what suits the shape."""
+
 LADDER = ("scales", "width", "ratio", "facing", "tolerance")
 """Those of the choices that scale spaces are made with."""
+
+SIDES = ("creases", "normals")
+"""Those that their surface is made with."""
 
 
 def _choice(default: Any, help: str, *, group: str = "Look", only: str = "") -> Any:  # noqa: A002
@@ -57,11 +64,11 @@ class Choices:
         For some methods also a sequence of these, or an Environment or its file (.hdr).
         Names and angles refer to the view.
     view : str or View
-        "front", "top", …; fitted to the shape. "auto" looks down on a sheet that lies like a
-        terrain, and at the front of anything else.
-    up : {"y", "z", "-y", "-z"}, optional
+        "front", "top", …; fitted to the shape. "auto" takes the one that shows most of it; see
+        `shapes.standing`.
+    up : {"y", "z", "-y", "-z", "x", "-x", "auto"}, optional
         Which axis of the shape points up; unless given y, and z of a volume, as in a patient's
-        frame.
+        frame. "auto" takes what the file's format defines, else how the shape can stand.
     scales, width, ratio, facing, tolerance
         See `scale_space`; None takes what the method declares.
     colormap : str, optional
@@ -69,6 +76,11 @@ class Choices:
     colormap2d : {"dusk", "earth", "swiss"}, optional
         A map of two results: under the light, and under the light turned by 90° clockwise as the
         view sees it (northwest and northeast).
+    creases : float, optional
+        Edges at which the surface bends by more than so many degrees are sharp: vertices there are
+        parted, so that planes have one normal. New vertices come after the old ones.
+    normals : {"computed", "file"}
+        "file" takes the normals that the file holds; vertices that have several are parted.
     albedo : {"none", "keep"}
         "keep" multiplies the shape's own vertex colours, in linear light.
     refine : float, optional
@@ -98,10 +110,11 @@ class Choices:
     view: str | View = _choice(
         "front",
         "Where names of lights and the picture look from: front, back, left, right, top, bottom, "
-        "isometric, or auto: from above where it lies like a terrain, else front.",
+        "isometric, or auto: what shows most of it.",
     )
-    up: Literal["y", "z", "-y", "-z"] | None = _choice(
-        None, "Axis of the object that points up: y unless given, and z of a volume."
+    up: Literal["auto", "y", "z", "-y", "-z", "x", "-x"] | None = _choice(
+        None,
+        "Axis of the object that points up, or auto: as its format has it, else as it can stand.",
     )
     colormap: str | None = _choice(
         None, "Colours for dark to bright; grey unless given.", only=MESH
@@ -138,6 +151,16 @@ class Choices:
         group="Detail",
         only=MESH,
     )
+    creases: float | None = _choice(
+        None,
+        "Edges that bend by more than so many degrees are sharp: vertices there are parted. 40 "
+        "suits CAD.",
+        group="Detail",
+        only=MESH,
+    )
+    normals: Literal["computed", "file"] = _choice(
+        "computed", "file: take the file's own normals.", group="Detail", only=MESH
+    )
     albedo: Literal["keep", "none"] = _choice(
         "none", "keep: multiply the file's own colours.", group="Files", only=MESH
     )
@@ -167,10 +190,20 @@ class Choices:
                 )
         if self.colormap2d is not None:
             colormaps2d.colormap2d(self.colormap2d)
-        if self.up is not None:
+        if self.up is not None and not (isinstance(self.up, str) and self.up == AUTO):
             upright(self.up)  # refuses what can't be up
         if not isinstance(self.albedo, str) or self.albedo not in ("none", "keep"):
             raise MeshdepictError(f"albedo={self.albedo!r} is neither 'keep' nor 'none'")
+        if self.creases is not None:
+            from meshdepict.shapes.parted import check_creases
+
+            check_creases(self.creases)
+        if not isinstance(self.normals, str) or self.normals not in ("computed", "file"):
+            raise MeshdepictError(f"normals={self.normals!r} is neither 'computed' nor 'file'")
+        if self.creases is not None and self.normals == "file":
+            raise MeshdepictError(
+                "the file's normals say themselves which edges are sharp: leave creases out"
+            )
         if not isinstance(self.two_sided, bool):
             raise MeshdepictError(f"two_sided={self.two_sided!r} is neither True nor False")
 
@@ -209,14 +242,55 @@ class Choices:
         """Return which axis points up of a kind of shape: as chosen, else as usual."""
         return self.up or ("z" if kind == VOLUME else "y")
 
-    def eye(self, shape: Shape) -> View:
-        """Return the view of a shape."""
-        up, name = self.axis(shape.kind), self.view
-        if isinstance(name, str) and name == "auto":
-            from meshdepict.baking.sheets import automatic_view
+    def surface(self, mesh: Mesh) -> Mesh:
+        """Return a mesh with the normals that were chosen: parted at creases, or the file's."""
+        from meshdepict.shapes.parted import PartedMesh
 
-            name = automatic_view(shape, up)
-        return as_view(name, shape, up=up)
+        if isinstance(mesh, PartedMesh):  # made with choices of its own
+            made = (mesh.creases, mesh.chosen_normals)
+            if made == (self.creases, self.normals) or not self.words().keys() & set(SIDES):
+                return mesh
+            return self.surface(mesh.before)
+        if self.normals == "file":
+            from meshdepict.shapes.own_normals import with_own_normals
+
+            found = with_own_normals(mesh)
+            where = "that have several normals in the file"
+        elif self.creases is not None:
+            from meshdepict.shapes.parted import parted_at_creases
+
+            found = parted_at_creases(mesh, self.creases)
+            where = f"at edges sharper than {self.creases:g}°"
+        else:
+            return mesh
+        if found.added:
+            warnings.warn(
+                f"{found.added:,} vertices were added for those {where}",
+                MeshdepictWarning,
+                stacklevel=3,
+            )
+        return found
+
+    def posed(self, shape: Any) -> Self:
+        """Return these choices with what suits a shape where up and view are "auto"."""
+        sight = isinstance(self.view, str) and self.view == AUTO
+        if self.up == AUTO:
+            from meshdepict.shapes.standing import standing
+
+            found = standing(shape)
+            if found.note:
+                warnings.warn(found.note, MeshdepictWarning, stacklevel=3)
+            return self.replace(up=found.up, **({"view": found.view} if sight else {}))
+        if sight:
+            from meshdepict.shapes.standing import automatic_view
+
+            return self.replace(view=automatic_view(shape, self.axis(shape.kind)))
+        return self
+
+    def eye(self, shape: Any) -> View:
+        """Return the view of a shape."""
+        look = self.posed(shape)
+        return as_view(look.view, shape, up=look.axis(shape.kind))
 
     def shade(self, space: ScaleSpace, light: LightsLike, view: View) -> NDArray[np.float32]:
         """Return what the method makes of a scale space's samples under a light."""

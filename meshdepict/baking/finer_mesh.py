@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from meshdepict.scales.interpolated_scales import InterpolatedSpace
 from meshdepict.scales.space import ScaleSpace
 from meshdepict.shapes.mesh import Mesh
+from meshdepict.shapes.parted import PartedMesh
 from meshdepict.surface.piecewise_normals import PiecewiseNormals, piecewise_normals
 from meshdepict.surface.splitting import edge_pairs, midpoints, split_faces
 from meshdepict.surface.welding import same_position
@@ -99,6 +100,7 @@ class FinerMesh:
         self._active = np.ones(len(self.faces), bool)
         # Copies of a vertex along a seam, whose edges have to be split alike.
         self._position = same_position(mesh.vertices) if self.pieces else None
+        self._group = mesh.groups if isinstance(mesh, PartedMesh) else None
 
     def samples(self, space: ScaleSpace, places: Places) -> InterpolatedSpace:
         """Return samples at places, from a scale space of the mesh."""
@@ -194,6 +196,8 @@ class FinerMesh:
         new = edges[chosen]
         number = count + np.arange(len(new))
         self.vertices += middles.those(chosen)
+        if self._group is not None:
+            self._group = _with_middles(self._group, new)
         self.faces, parent = split_faces(self.faces, new, number)
         self._owner = self._owner[parent]
         self._active = np.bincount(parent)[parent] > 1
@@ -206,10 +210,7 @@ class FinerMesh:
         self.pieces = self.pieces.handed_down(parent, shares, self.vertices.normals)
         if self._position is not None:
             self._active[:] = True  # a neighbour along a seam may have been split
-            pairs = np.sort(self._position[new], axis=1)
-            _, same = np.unique(pairs[:, 0] * count + pairs[:, 1], return_inverse=True)
-            first = self._position.max() + 1
-            self._position = np.concatenate([self._position, first + same.ravel()])
+            self._position = _with_middles(self._position, new)
 
     def mesh(self) -> Mesh:
         """Return it as a mesh: attributes of vertices interpolated, those of faces handed down."""
@@ -235,14 +236,25 @@ class FinerMesh:
             },
             winding="keep",
             length_unit=mesh.length_unit,
+            groups=self._group,
         )
 
 
 def _pieces(mesh: Mesh) -> PiecewiseNormals | None:
     """Return normals of the triangles of a mesh with planes."""
-    unit, group = mesh.diagonal or 1.0, mesh.groups
+    unit = mesh.diagonal or 1.0
+    welded, faces, parted = mesh, mesh.faces, isinstance(mesh, PartedMesh)
+    if isinstance(mesh, PartedMesh):  # creases are no borders
+        welded, faces = mesh.before, mesh.source[mesh.faces]
     return piecewise_normals(
-        mesh.unit_points, mesh.faces, mesh.faces if group is None else group[mesh.faces],
-        mesh.orientation.flipped, mesh.normals,
+        mesh.unit_points, mesh.faces, faces if welded.groups is None else welded.groups[faces],
+        mesh.orientation.flipped, mesh.normals, parted=parted,
         edge=mesh.edge_length / unit, grain=_SINGLE * float(np.abs(mesh.vertices).max()) / unit,
     )  # fmt: skip
+
+
+def _with_middles(label: Ints, edges: Ints) -> Ints:
+    """Return labels of vertices, and of the middles of edges: equal where both ends have equal."""
+    pairs = np.sort(label[edges], axis=1)
+    _, same = np.unique(pairs[:, 0] * len(label) + pairs[:, 1], return_inverse=True)
+    return np.concatenate([label, label.max() + 1 + same.ravel()])

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from meshdepict.files.mark import MARK, VERSION
 from meshdepict.options import as_text, options_of
 from meshdepict.scene.names import Lighting
+from meshdepict.scene.shape import Shape
 from meshdepict.shapes.document import Document
 
 if TYPE_CHECKING:
@@ -43,6 +44,7 @@ def describe(look: Choices, space: ScaleSpace, *, light: Lighting) -> dict[str, 
         ),
         "scales": _scales(space),
         **({"occlusion": "; ".join(occlusion)} if occlusion else {}),
+        **_sharp(space.shape),
         "light": str(light),
         "view": f"{look.view}, up {look.up}" if isinstance(look.view, str) else str(look.view),
         "colormap": look.colormap or look.colormap2d or "gray",
@@ -64,6 +66,17 @@ def comment_lines(provenance: Mapping[str, str]) -> list[str]:
 def was_baked(mesh: Mesh) -> bool:
     """Whether a mesh's red, green and blue are those of a former bake."""
     return isinstance(mesh.document, Document) and bool(mesh.document.provenance)
+
+
+def _sharp(shape: Shape) -> dict[str, str]:
+    """Return which normals were not computed from all that meets at a vertex."""
+    from meshdepict.shapes.parted import PartedMesh
+
+    if not isinstance(shape, PartedMesh):
+        return {}
+    if shape.chosen_normals == "file":
+        return {"normals": f"the file's, {shape.added} vertices added"}
+    return {"creases": f"{shape.creases:g} degrees, {shape.added} vertices added"}
 
 
 def _scales(space: ScaleSpace) -> str:

@@ -170,6 +170,7 @@ def voxel_shading(
     """
     from meshdepict.color.transfer import for_volume
 
+    look = look.posed(shape)
     up, (scales, ratio) = look.axis(shape.kind), look.ladder
     if widths is None:
         check_ladder(scales, ratio, 0, look.tolerance)

@@ -75,4 +75,7 @@ def bake(
         winding=winding, fix_winding=fix_winding, triangles=triangles, force=force,
         quiet=everywhere.quiet,
     )  # fmt: skip
-    return FAULT if batch.run() else 0
+    failed = batch.run()
+    if save_recipe is not None and len(inputs) <= 1 and batch.taken:
+        batch.taken[0].save(save_recipe, force=True)  # with up and view as they were found
+    return FAULT if failed else 0

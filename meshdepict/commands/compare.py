@@ -7,6 +7,7 @@ from typing import Annotated, Any, Literal
 
 from cyclopts import Parameter
 
+from meshdepict.baking.choices import AUTO
 from meshdepict.commands.parameters import DETAIL, FILES, LOOK, Everywhere, LookWords, takes_words
 from meshdepict.commands.values import as_light, method_options
 from meshdepict.console import notes, progress_bar, say
@@ -97,7 +98,7 @@ def compare(
         mesh = samples.golf_ball() if source is None else read_mesh(source, winding=winding)
         found = comparison.compare(
             mesh, method or None, lights=lights, size=pixels, options=given,
-            per_pixel=per_pixel, progress=progress, **look.said,
+            per_pixel=per_pixel, progress=progress, **{"view": AUTO, "up": AUTO, **look.said},
         )  # fmt: skip
         comparison_report.save_sheet(found, output)
         if csv is not None:

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeVar
 from cyclopts import Group, Parameter
 
 from meshdepict import threads
-from meshdepict.baking.choices import Choices, choice_fields
+from meshdepict.baking.choices import AUTO, Choices, choice_fields
 from meshdepict.commands.values import as_light, method_options
 from meshdepict.files import limits
 
@@ -180,7 +180,7 @@ def _word(each: dataclasses.Field[Any], hint: Any) -> tuple[str, Any, None]:
         kind, converter = float, number
     else:
         kind = str
-    default = "auto" if each.name == "view" else each.default
+    default = AUTO if each.name in ("view", "up") else each.default
     usual = "" if default in (None, False) else f" [default: {default}]"
     names = {"method": ["--method", "-m"], "colormap2d": "--colormap2d"}
     parameter = Parameter(
@@ -257,9 +257,13 @@ def said_look(words: LookWords, recipe: str | None = None) -> Look:
     from meshdepict.baking.recipe import load_recipe, merge_recipe
 
     chosen: Mapping[str, Any] = words.said
+    usual: dict[str, Any] = {"view": AUTO, "up": AUTO}  # in Python nothing changes with the shape
     if recipe is not None:
-        chosen = merge_recipe(load_recipe(recipe), chosen)
-    chosen = {"view": "auto", **chosen}  # in Python a script must not change with the shape
+        read = load_recipe(recipe)
+        if "view" in read:
+            del usual["up"]  # a recipe says both, but for an axis that is up as usual
+        chosen = merge_recipe(read, chosen)
+    chosen = {**usual, **chosen}
     method = chosen.get("method", choice_fields()["method"].default)
     options = method_options(method, words.options or [])
     return Look(**{**chosen, "method": method, **options})

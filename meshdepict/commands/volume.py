@@ -135,7 +135,8 @@ def _shade_surface(
     from meshdepict.drawing.picture import save_picture
     from meshdepict.shapes.isosurface import isosurface
 
-    look = look.replace(up=look.axis(grid.kind), transfer=None)
+    look = look.posed(grid).replace(transfer=None)
+    look = look.replace(up=look.axis(grid.kind))
     surface = isosurface(grid, value)
     done = bake_surface(surface, look, progress=progress)
     if output is not None:

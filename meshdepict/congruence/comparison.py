@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshdepict import color
+from meshdepict.baking.choices import SIDES
 from meshdepict.baking.look import Look
 from meshdepict.baking.surfaces import as_mesh
 from meshdepict.congruence.judging import Judge, light_directions, picture
@@ -117,6 +118,8 @@ def compare(
     ratio: float = 1.7,
     facing: int = FACING,
     tolerance: float = TOLERANCE,
+    creases: float | None = None,
+    normals: str = "computed",
     background: tuple[int, int, int] = (198, 205, 214),
     progress: Progress | None = None,
 ) -> Comparison:
@@ -144,6 +147,8 @@ def compare(
         Shade pixels, as the papers do, instead of vertices.
     scales, width, ratio, facing, tolerance
         Of the scale space; see `scale_space`.
+    creases, normals
+        As for `bake`.
     background : three of 0 … 255
     progress : callable, optional
         ``progress(done, total)``.
@@ -160,8 +165,12 @@ def compare(
     start = time.perf_counter()
     functions = _by_name(usual_methods() if methods is None else methods)
     chosen = _options(functions, options or {})
-    mesh = as_mesh(shape)
-    eye = view if isinstance(view, View) else _fitted(view, mesh, up, size)
+    seen = Look(view=view, up=up, creases=creases, normals=normals)
+    mesh = seen.surface(as_mesh(shape))
+    seen = seen.posed(mesh)
+    made = {name: value for name, value in seen.words().items() if name in SIDES}
+    view = seen.view
+    eye = view if isinstance(view, View) else _fitted(view, mesh, seen.axis(mesh.kind), size)
     buffer = GBuffer.of(mesh, eye, size=size)
     eye = buffer.view
     lamps = tuple(light_directions(eye) if lights is None else (as_light(x, eye) for x in lights))
@@ -200,7 +209,7 @@ def compare(
     return Comparison(
         methods=tuple(functions), lights=lamps, scores=scores, pictures=pictures,
         score_pictures=maps, options=chosen, shape=mesh, view=eye,
-        settings={**smoothing, "per_pixel": per_pixel},
+        settings={**smoothing, **made, "per_pixel": per_pixel},
         seconds=time.perf_counter() - start,
     )  # fmt: skip
 

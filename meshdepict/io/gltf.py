@@ -75,7 +75,7 @@ def decode(data: bytes, path: Path) -> Contents:
     if joined or lost:
         said = ", ".join(joined + [f"its {what} are not kept" for what in lost])
         warnings.warn(f"{path}: {said}", MeshdepictWarning, stacklevel=2)
-    return _joined(parts, Document(provenance=_lines(header)))
+    return _joined(parts, Document(provenance=_lines(header), up="y"))
 
 
 def _unpacked(data: bytes) -> tuple[dict[str, Any], bytes]:
@@ -144,6 +144,9 @@ def _joined(parts: list[Part], document: Document) -> Contents:
     if parts and all(part.texture is not None for part in parts):
         texture = np.concatenate([part.texture for part in parts if part.texture is not None])
         vertex |= {"s": texture[:, 0], "t": texture[:, 1]}
+    if parts and all(part.normal is not None for part in parts):
+        normal = np.concatenate([part.normal for part in parts if part.normal is not None])
+        vertex |= dict(zip(("nx", "ny", "nz"), normal.T, strict=True))
     return Contents(points, faces, {"vertex": vertex}, document, "m")
 
 

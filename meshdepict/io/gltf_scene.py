@@ -31,6 +31,7 @@ class Part(NamedTuple):
     faces: NDArray[np.int64]
     color: Floats | None  # (n, 4) linear, with alpha
     texture: Floats | None  # (n, 2)
+    normal: Floats | None = None  # (n, 3), of what neither morphs nor bends
 
 
 class Scene:
@@ -90,7 +91,11 @@ class Scene:
         self._buffers.claim(part.points.size + part.faces.size, "triangles at its nodes")
         points = part.points @ matrix[:3, :3].T + matrix[:3, 3]
         turned = _mirrors(matrix)
-        return part._replace(points=points, faces=part.faces[:, ::-1] if turned else part.faces)
+        normal = part.normal
+        if normal is not None:
+            normal = normal @ _cofactors(matrix).T * (-1 if turned else 1)
+        faces = part.faces[:, ::-1] if turned else part.faces
+        return part._replace(points=points, faces=faces, normal=normal)
 
     def _skinned_parts(self, node: dict[str, Any], places: dict[int, Floats]) -> list[Part]:
         mesh = pick(self._header, "meshes", node["mesh"])
@@ -125,15 +130,15 @@ class Scene:
             morphs = tuple(str(target) for target in primitive.get("targets", ()))
             factor = self._material_color(primitive)
             key = (
-                used["POSITION"], used.get("COLOR_0"), used.get("TEXCOORD_0"), *factor,
-                packed and packed["bufferView"], morphs,
+                *(used.get(name) for name in ("POSITION", "COLOR_0", "TEXCOORD_0", "NORMAL")),
+                *factor, packed and packed["bufferView"], morphs,
             )  # fmt: skip
             unpacked = self._unpacked(primitive, packed) if packed else None
             if key not in shared:
                 part = self._part(primitive, factor, weights, unpacked)
                 if skin is not None and "JOINTS_0" in used:
                     points = skinned(part.points, used, skin, places or {}, self._buffers)
-                    part = part._replace(points=points)
+                    part = part._replace(points=points, normal=None)
                 shared[key] = part
             faces.setdefault(key, []).append(
                 self._faces(primitive, len(shared[key].points), unpacked)
@@ -173,7 +178,20 @@ class Scene:
         if "TEXCOORD_0" in used:
             texture = self._values(used, "TEXCOORD_0", unpacked)
         self._buffers.claim(points.size, "points")
-        return Part(points, np.empty((0, 3), np.int64), color, texture)
+        normal = self._normals(used, unpacked, len(points)) if "NORMAL" in used else None
+        if normal is not None and any(weights):
+            normal = None
+        return Part(points, np.empty((0, 3), np.int64), color, texture, normal)
+
+    def _normals(
+        self, used: dict[str, int], unpacked: Unpacked | None, count: int
+    ) -> Floats | None:
+        """Return the normals of a part's vertices; None where they are damaged: few want them."""
+        try:
+            normal = self._values(used, "NORMAL", unpacked)
+        except (MeshdepictError, LookupError, ValueError):
+            return None
+        return normal if normal.shape == (count, 3) else None
 
     def _values(self, used: dict[str, int], name: str, unpacked: Unpacked | None) -> Floats:
         """Return an attribute of all vertices; colours as fractions whatever their type."""
@@ -220,6 +238,12 @@ class Scene:
             factor = glossy.get("diffuseFactor", _WHITE)
         given = tuple(map(float, factor))
         return given + _WHITE[len(given) :]
+
+
+def _cofactors(matrix: Floats) -> Floats:
+    """Return what normals are multiplied by where points are by a matrix, but for their length."""
+    a, b, c = matrix[:3, :3] / (np.abs(matrix[:3, :3]).max() or 1.0)
+    return np.stack([np.cross(b, c), np.cross(c, a), np.cross(a, b)])
 
 
 def _mirrors(matrix: Floats) -> bool:

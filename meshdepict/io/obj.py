@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from meshdepict.errors import MeshdepictError
 from meshdepict.files.mark import MARK
 from meshdepict.io import text
-from meshdepict.io.obj_faces import parse_faces
+from meshdepict.io.obj_faces import parse_faces, parse_normals
 from meshdepict.io.obj_lines import Lines, joined, line_end, table
 from meshdepict.shapes.colors import after_position
 from meshdepict.shapes.document import (
@@ -52,6 +52,16 @@ class ObjDocument(Document):
     def texcoords(self) -> tuple[NDArray[np.float64], NDArray[np.int64]] | None:
         """(t, 2) texture coordinates, and which of them each corner has (−1: none), or None."""
         return (self.texture, self.corners) if len(self.texture) else None
+
+    @property
+    def own_normals(self) -> tuple[NDArray[np.float64], NDArray[np.int64]] | None:
+        """(t, 3) normals, and which of them each corner has (−1: none), or None."""
+        lines = Lines(self.data)
+        normals = table(lines, b"vn", least=3)[:, :3]
+        if not len(normals):
+            return None
+        corner = parse_normals(lines.bodies(b"f"), lambda: lines.before(b"f", b"vn"))
+        return normals, np.where((corner >= 0) & (corner < len(normals)), corner, -1)
 
     def describes(self, vertices: NDArray[np.float64] | None, polygons: Polygons) -> bool:
         """Whether these are the file's vertices (if given) and polygons, not changed ones."""
@@ -102,7 +112,7 @@ def decode(data: bytes, path: Path) -> Contents:
         polygons=polygons,
         texture=texture,
         # An index out of range is a fault of the texture, not of the shape.
-        corners=np.where(of_texture < len(texture), of_texture, -1),
+        corners=np.where((of_texture >= 0) & (of_texture < len(texture)), of_texture, -1),
     )
     return Contents(numbers[:, :3], polygons, attributes, document)
 

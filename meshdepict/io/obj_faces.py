@@ -12,7 +12,7 @@ from meshdepict.errors import MeshdepictError
 from meshdepict.io import text
 from meshdepict.surface.polygons import Polygons
 
-__all__ = ["parse_faces"]
+__all__ = ["parse_faces", "parse_normals"]
 
 Ints = NDArray[np.int64]
 
@@ -40,6 +40,25 @@ def parse_faces(
     MeshdepictError
         For a face that is not understood, and for the index 0.
     """
+    values, at, numbers, offsets = _numbers(block)
+    vertex = values[at]
+    if not vertex.all():
+        face = int(np.searchsorted(offsets, np.argmin(vertex != 0), side="right")) - 1
+        raise MeshdepictError(f"has a face, number {face + 1}, with the index 0; OBJ counts from 1")
+    texture = np.where(numbers > 1, values[np.minimum(at + 1, len(values) - 1)], 0)
+    polygons = Polygons(_from_zero(vertex, offsets, vertices_before), offsets)
+    return polygons, _from_zero(texture, offsets, textures_before)
+
+
+def parse_normals(block: bytes, normals_before: Callable[[], Ints]) -> Ints:
+    """Return each corner's normal (−1: none), from 0; the rest is as for `parse_faces`."""
+    values, at, numbers, offsets = _numbers(block)
+    normal = np.where(numbers > 2, values[np.minimum(at + 2, len(values) - 1)], 0)
+    return _from_zero(normal, offsets, normals_before)
+
+
+def _numbers(block: bytes) -> tuple[Ints, Ints, Ints, Ints]:
+    """Return all numbers, where each corner's begin, how many it has, and where faces begin."""
     if b"/" in block:  # numbers that are left out become 0: 1//3, 1/, 1/2/
         block = re.sub(rb"/(?=[/\s])", b"/0", block)
     letters = np.frombuffer(block, np.uint8)
@@ -55,14 +74,7 @@ def parse_faces(
             raise ValueError
     except ValueError:
         raise _misfit(block) from None
-    at = np.cumsum(numbers) - numbers
-    vertex = values[at]
-    if not vertex.all():
-        face = int(np.searchsorted(offsets, np.argmin(vertex != 0), side="right")) - 1
-        raise MeshdepictError(f"has a face, number {face + 1}, with the index 0; OBJ counts from 1")
-    texture = np.where(numbers > 1, values[np.minimum(at + 1, len(values) - 1)], 0)
-    polygons = Polygons(_from_zero(vertex, offsets, vertices_before), offsets)
-    return polygons, _from_zero(texture, offsets, textures_before)
+    return values, np.cumsum(numbers) - numbers, numbers, offsets
 
 
 def _from_zero(index: Ints, offsets: Ints, before: Callable[[], Ints]) -> Ints:

@@ -37,8 +37,10 @@ def decode(data: bytes, path: Path) -> Contents:
         For a file that is cut off, and for one that is no STL.
     """
     corners = _ascii_corners(data) if _is_text(data) else _binary_corners(data, path)
-    vertices, faces = _joined(corners.astype(np.float64))
-    return Contents(vertices, faces, {}, Document())
+    with np.errstate(invalid="ignore"):  # a signalling NaN: `Mesh` says what it thinks of those
+        corners = corners.astype(np.float64)
+    vertices, faces = _joined(corners)
+    return Contents(vertices, faces, {}, Document(up="z"))  # of whoever prints it
 
 
 def provenance(file: BinaryIO) -> tuple[str, ...]:

@@ -47,7 +47,7 @@ class Environment:
     ----------
     pixels : (h, w, 3) array_like
         Linear RGB radiance, equirectangular, as this module's docstring lays it out.
-    up : {"y", "z", "-y", "-z"}
+    up : {"y", "z", "-y", "-z", "x", "-x"}
         Which axis of the world points up.
     name : str
         What a caption calls it.

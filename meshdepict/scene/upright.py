@@ -15,6 +15,9 @@ _TURNS = {
     # Standing on the head: half a turn about the line of sight of the front.
     "-y": ((-1, 0, 0), (0, -1, 0), (0, 0, 1)),
     "-z": ((-1, 0, 0), (0, 0, -1), (0, -1, 0)),
+    # Lying on a side: a quarter turn about the same line.
+    "x": ((0, 1, 0), (-1, 0, 0), (0, 0, 1)),
+    "-x": ((0, -1, 0), (1, 0, 0), (0, 0, 1)),
 }
 UPS = tuple(_TURNS)
 """Axes that can point up."""
@@ -26,7 +29,7 @@ def upright(up: object) -> NDArray[np.float64]:
     Raises
     ------
     MeshdepictError
-        For another axis than y, z, −y and −z.
+        For anything but y, z and x, and their negatives.
     """
     if not isinstance(up, str) or up not in _TURNS:
         raise MeshdepictError(f"up={up!r} is not one of {', '.join(UPS)}")

@@ -121,7 +121,7 @@ class View:
         name : str
             "front", "back", "left", "right", "top", "bottom" or "isometric".
         shape : Mesh, Volume or GBuffer
-        up : {"y", "z", "-y", "-z"}
+        up : {"y", "z", "-y", "-z", "x", "-x"}
             Which axis of the object points up.
         aspect : float
             Width over height of the picture.
@@ -156,6 +156,7 @@ def named_directions(name: str, up: str = "y") -> tuple[Vector, Vector]:
 
     With ``up="z"`` the frame is turned so that z points up and the front is seen from −y. "-y" and
     "-z" are for shapes that stand on their heads: half a turn about the line of sight of the front.
+    "x" and "-x" are for those that lie on a side: a quarter turn about that of y's.
     """
     if not isinstance(name, str) or name not in _VIEWS:
         raise MeshdepictError(

@@ -56,14 +56,21 @@ class Document:
     """What a file held beside its mesh.
 
     ``provenance`` holds the lines that this program wrote into the file: where there are any, the
-    file's red, green and blue are a former bake's, not the object's.
+    file's red, green and blue are a former bake's, not the object's. ``up`` is the axis that points
+    up where the file's format has one.
     """
 
     provenance: tuple[str, ...] = ()
+    up: str = ""
 
     @property
     def texcoords(self) -> tuple[NDArray[np.float64], NDArray[np.int64]] | None:
         """(t, 2) texture coordinates, and which of them each corner has (−1: none), or None."""
+        return None
+
+    @property
+    def own_normals(self) -> tuple[NDArray[np.float64], NDArray[np.int64]] | None:
+        """(t, 3) normals, and which of them each corner has (−1: none), or None."""
         return None
 
     @property

@@ -40,6 +40,7 @@ class Geometry:
     vertices: Floats
     faces: NDArray[np.int64]
     winding: str
+    _groups: NDArray[np.int64] | None
 
     # --- size -------------------------------------------------------------------------------
 
@@ -158,6 +159,8 @@ class Geometry:
 
         Groups are numbered from 0 without gaps.
         """
+        if self._groups is not None:
+            return frozen(self._groups)
         position = same_position(self._sides.points)
         if position is None:
             return None

@@ -48,6 +48,8 @@ class Mesh(Geometry):
         What the file's reader wants the file's writer to know.
     length_unit : str
         What the coordinates are measured in, "m" or "mm" for instance; empty where unknown.
+    groups : (n,) array of int, optional
+        Which vertices share a normal, numbered from 0 without gaps; found by position unless given.
 
     Raises
     ------
@@ -67,6 +69,7 @@ class Mesh(Geometry):
         winding: str = "auto",
         document: object = None,
         length_unit: str = "",
+        groups: NDArray[np.int64] | None = None,
     ) -> None:
         self.vertices = as_vertices(vertices)
         polygons = as_polygons(faces)
@@ -99,6 +102,7 @@ class Mesh(Geometry):
         self.winding = winding
         self.document = document
         self.length_unit = length_unit
+        self._groups = groups
         for array in (self.vertices, self.faces, self._owner, *polygons):
             array.setflags(write=False)
 
@@ -217,4 +221,4 @@ class Mesh(Geometry):
             warnings.warn(
                 f"texture coordinates are lost where {where}", MeshdepictWarning, stacklevel=3
             )
-        return Document(provenance=self.document.provenance)
+        return Document(provenance=self.document.provenance, up=self.document.up)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 from functools import cached_property
 
 import numpy as np
@@ -68,6 +69,21 @@ class Sides:
         """(m, 3) faces, outwards, both of two sides as the one that is shaded."""
         others = self._others
         return self._turned(self.flipped if others is None else self.flipped ^ others)
+
+    def renumbered(self, faces: Ints, source: Ints) -> Sides:
+        """Return the same surface with other vertices, each standing for one of these.
+
+        Parameters
+        ----------
+        faces : (m, 3) array
+            In the other vertices.
+        source : (n,) array
+            The vertex that each stands for.
+        """
+        other = copy.copy(self)
+        other.__dict__.pop("faces", None)
+        other.points, other._given = self.points[source], faces
+        return other
 
     def _turned(self, which: Bools | None) -> Ints:
         if which is None or not which.any():

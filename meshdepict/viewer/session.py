@@ -68,15 +68,16 @@ class Session:
         progress: Callable[[float, float], None] | None = None,
         **chosen: Any,
     ) -> None:
-        self.shape = as_mesh(shape)
-        self._begin(Look(method, **chosen), progress)
+        look = Look(method, **chosen)
+        self.shape = look.surface(as_mesh(shape))
+        self._begin(look, progress)
         self._first = self.look_now()
 
     def _begin(self, look: Look, progress: Callable[[float, float], None] | None) -> None:
         """Choose what a look says."""
         refuse_unshown(look)
         look.of_kind(self.shape.kind)  # refuses what is about other kinds
-        self._asked = look
+        self._asked = look = look.posed(self.shape)
         self.up = look.axis(self.shape.kind)
         self.view = look.eye(self.shape)
         self.light = as_lighting(look.light, self.view, up=self.up)

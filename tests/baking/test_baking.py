@@ -263,7 +263,7 @@ def test_saved_and_read_again_it_is_the_same(small, tmp_path, suffix):
         ("lambert", {"albedo": "mine"}, "albedo='mine' is neither 'keep' nor 'none'"),
         ("lambert", {"light": "norht"}, "no light is called 'norht'; did you mean 'north'?"),
         ("lambert", {"view": "fornt"}, "no view is called 'fornt'; did you mean 'front'?"),
-        ("lambert", {"up": "x"}, "up='x' is not one of y, z, -y, -z"),
+        ("lambert", {"up": "w"}, "up='w' is not one of y, z, -y, -z, x, -x"),
         ("exaggerated", {"scales": -1}, "scales=-1 is not a whole number"),
         ("exaggerated", {"scales": 0}, "needs at least one scale"),
         ("exaggerated", {"width": "wide"}, "width='wide' is not a positive length"),

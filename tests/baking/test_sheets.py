@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 import meshdepict as md
-from meshdepict.baking.sheets import automatic_view
 from meshdepict.errors import MeshdepictWarning
 from meshdepict.scales.seen_side import SeenSide
 from meshdepict.scene.names import as_view
+from meshdepict.shapes.standing import automatic_view
 from meshdepict.viewer.session import Session
 
 METHODS = [name for name, f in md.shading.METHODS.items() if f.declaration.linear]

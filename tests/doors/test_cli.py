@@ -117,7 +117,7 @@ def test_light_commands_load_no_heavy_modules(ball_ply, words, heavy):
         ("bake ball.ply --width -1", "width='-1' is not a positive length"),
         ("bake ball.ply --width wide", "width='wide' is not a positive length"),
         ("bake ball.ply --facing 2", "--facing"),
-        ("bake ball.ply --up x", "--up"),
+        ("bake ball.ply --up w", "--up"),
         ("bake ball.ply --albedo maybe", "--albedo"),
         ("bake ball.ply --winding fix", "--winding"),
         ("bake ball.ply --light nroth", "no light is called 'nroth'; did you mean 'north'?"),

@@ -173,8 +173,8 @@ def test_refusals(tmp_path, rng):
         with pytest.raises(MeshdepictError, match="finite and not negative"):
             Environment(np.full((2, 4, 3), value))
     white = Environment(np.ones((2, 4, 3)))
-    with pytest.raises(MeshdepictError, match="up='x' is not one of y, z, -y, -z"):
-        Environment(np.ones((2, 4, 3)), up="x")
+    with pytest.raises(MeshdepictError, match="up='w' is not one of y, z, -y, -z, x, -x"):
+        Environment(np.ones((2, 4, 3)), up="w")
     for count in (0, True, 2.5):
         with pytest.raises(MeshdepictError, match="not a number of lights"):
             white.lights(count)

@@ -169,6 +169,11 @@ def test_what_is_no_direction_of_a_light(direction):
         ("front", "-y", (0, 0, 1), (0, -1, 0)),
         ("front", "-z", (0, -1, 0), (0, 0, -1)),
         ("right", "-z", (-1, 0, 0), (0, 0, -1)),
+        ("front", "x", (0, 0, 1), (1, 0, 0)),
+        ("right", "x", (0, -1, 0), (1, 0, 0)),
+        ("top", "x", (1, 0, 0), (0, 0, -1)),
+        ("front", "-x", (0, 0, 1), (-1, 0, 0)),
+        ("right", "-x", (0, 1, 0), (-1, 0, 0)),
     ],
 )
 def test_where_named_views_look_from(name, up, eye, upwards):
@@ -298,7 +303,7 @@ def test_what_is_no_view(change, sentence):
         ("fornt", {}, r"no view is called 'fornt'; did you mean 'front'\? \(there are front, back"),
         (7, {}, "no view is called 7"),
         (["front"], {}, r"no view is called \['front'\]"),
-        ("front", {"up": "x"}, "up='x' is not one of y, z, -y, -z"),
+        ("front", {"up": "w"}, "up='w' is not one of y, z, -y, -z, x, -x"),
         ("front", {"aspect": 0}, "aspect=0 is not a positive ratio"),
         ("front", {"aspect": np.nan}, "aspect=nan"),
         ("front", {"height_px": 0}, "height_px=0"),
