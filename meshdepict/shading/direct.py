@@ -21,7 +21,6 @@ from meshdepict.scene.material import (
     SubLambert,
     Toon,
     diffuse_term,
-    soft_steps,
     specular_term,
 )
 from meshdepict.shading.features import Frames, Scaling
@@ -33,6 +32,7 @@ from meshdepict.shading.material_kinds import (
     PHONG,
     SUB_LAMBERT,
 )
+from meshdepict.shading.tones import soft_tones
 from meshdepict.shading.warp_equations import jacobian, unwarp, warp_scale
 
 __all__ = ["direct", "kernel_colors", "kernel_parameters", "quantised", "squeezed"]
@@ -167,6 +167,6 @@ def quantised(values: NDArray[Any], material: Material, exposure: float) -> NDAr
     """Return the shading in soft steps where the material is a toon: after exposure, as seen."""
     if not isinstance(material, Toon):
         return values
-    shown = np.clip(values * np.float32(exposure), 0, 1)
-    steps = soft_steps(shown, bins=material.bins, sharpness=material.sharpness)
+    shown = np.maximum(values * np.float32(exposure), 0)
+    steps = soft_tones(shown, bins=material.bins, sharpness=material.sharpness)
     return steps / np.float32(max(exposure, 1e-30))

@@ -17,6 +17,7 @@ from meshdepict.scene.view import View, named_directions
 __all__ = [
     "Bins",
     "CurvatureKind",
+    "Foreshortening",
     "Frames",
     "Gain",
     "LightCount",
@@ -42,6 +43,10 @@ Scale = Annotated[int, Range(0, 64, help="which set of normals curvature is of",
 Gain = Annotated[
     float | None,
     Range(0, 1e30, help="factor on curvature; object 0.7, view 2.5 if none", soft=(0, 10)),
+]
+Foreshortening = Annotated[
+    float,
+    Range(0, 10, help="power of n·z in the view's curvature; the object's has none", soft=(0, 1)),
 ]
 
 LightCount = Annotated[
@@ -92,6 +97,7 @@ def features(
     curvature: str,
     scale: int,
     gain: float | None,
+    foreshortening: float = 1.0,
     importance: ArrayLike | None = None,
 ) -> Frames:
     """Return curvature times gain, concave positive, with its directions.
@@ -108,6 +114,9 @@ def features(
     scale : int
         Whose normals' curvature.
     gain : float, optional
+    foreshortening : float
+        f of METHODS §3, the power of n·z in the slope that the view's curvature is the gradient of:
+        1 in Light Warping, 0.4 in Radiance Scaling's released shader, 0 none.
     importance : (n,) array_like in [0, 1], optional
         Where fine detail matters (Light Warping's I(p)): `scale` at 1, the coarsest one at 0.
 
@@ -121,14 +130,13 @@ def features(
         For a scale that the space does not have, or an importance of another shape or range.
     """
     if importance is None:
-        return _at_scale(space, view, curvature, scale, gain)
+        return _at_scale(space, view, curvature, scale, gain, foreshortening)
     wanted = _chosen(importance, len(space.points), scale, len(space.widths) - 1)
-    found = _at_scale(space, view, curvature, scale, gain)
+    found = _at_scale(space, view, curvature, scale, gain, foreshortening)
     for coarser in np.unique(wanted[wanted > scale]):
         here = wanted == coarser
-        for mine, other in zip(
-            found, _at_scale(space, view, curvature, int(coarser), gain), strict=True
-        ):
+        others = _at_scale(space, view, curvature, int(coarser), gain, foreshortening)
+        for mine, other in zip(found, others, strict=True):
             mine[here] = other[here]
     return found
 
@@ -141,6 +149,7 @@ def curved(
     curvature: str,
     scale: int,
     gain: float | None,
+    foreshortening: float,
     importance: ArrayLike | None = None,
     **own: float | None,
 ) -> tuple[Any, View, Frames]:
@@ -148,7 +157,7 @@ def curved(
 
     Parameters
     ----------
-    space, view, curvature, scale, gain, importance
+    space, view, curvature, scale, gain, foreshortening, importance
         As for `features`; the view also by its name.
     material : str or Material
     **own
@@ -157,16 +166,25 @@ def curved(
     chosen = adjusted(as_material(material), **own)
     eye = sight(view, space, fitted=curvature == "view")
     frames = features(
-        space, eye, curvature=curvature, scale=scale, gain=gain, importance=importance
-    )
+        space, eye, curvature=curvature, scale=scale, gain=gain, foreshortening=foreshortening,
+        importance=importance,
+    )  # fmt: skip
     return chosen, eye, frames
 
 
 def convexity(
-    space: ScaleSpace, view: View, *, curvature: str, scale: int, gain: float | None
+    space: ScaleSpace,
+    view: View,
+    *,
+    curvature: str,
+    scale: int,
+    gain: float | None,
+    foreshortening: float,
 ) -> NDArray[np.float32]:
     """Return κ = tanh(−(κ_u + κ_v)) of `features`: −1 in hollows, 0 where flat, 1 on bumps."""
-    frames = features(space, view, curvature=curvature, scale=scale, gain=gain)
+    frames = features(
+        space, view, curvature=curvature, scale=scale, gain=gain, foreshortening=foreshortening
+    )
     return np.tanh(-(frames.ku + frames.kv))
 
 
@@ -194,7 +212,12 @@ def width_at(space: ScaleSpace, scale: int) -> float:
 
 
 def _at_scale(
-    space: ScaleSpace, view: View, curvature: str, scale: int, gain: float | None
+    space: ScaleSpace,
+    view: View,
+    curvature: str,
+    scale: int,
+    gain: float | None,
+    foreshortening: float,
 ) -> Frames:
     """Return the features of one scale in arrays of their own."""
     share = 1.0 if gain is None else gain / DEFAULT_GAIN[curvature]
@@ -206,7 +229,7 @@ def _at_scale(
     )  # fmt: skip
     if curvature == "object":
         return frames
-    seen = space.view_curvature(view, scale)
+    seen = space.view_curvature(view, scale, foreshortening=foreshortening)
     weight = (share * DEFAULT_GAIN["view"]) * seen.weight.astype(np.float64)
     facing = np.einsum("an,an->n", space.planes[scale], eyes(space, view)) >= 0
     visible = Frames(

@@ -29,6 +29,7 @@ from meshdepict.shading.direct import direct, kernel_parameters, quantised
 from meshdepict.shading.features import (
     Bins,
     CurvatureKind,
+    Foreshortening,
     Frames,
     Gain,
     LightCount,
@@ -64,6 +65,7 @@ def light_warping(
     curvature: CurvatureKind = "object",
     scale: Scale = 1,
     gain: Gain = None,
+    foreshortening: Foreshortening = 1.0,
     magnitude: Annotated[
         float, Range(-1e30, 1e30, help="α: how far light is warped", soft=(-8, 8))
     ] = 6.0,
@@ -106,6 +108,8 @@ def light_warping(
         As in `meshdepict.scene.material`; lit spheres and half-Lambert have no light to be warped.
     gain : float, optional
         As in `radiance_scaling`.
+    foreshortening : float
+        Of curvature="view": f in the slope (−n_x, −n_y)/n_z^f, 1 in the paper.
     magnitude : float
         α; 0 is plain rendering, below 0 stretches instead. The default, 6, was chosen by eye on
         the bunny, the armadillo and Lucy: fur and folds stand out and the light still tells where
@@ -139,7 +143,8 @@ def light_warping(
         )
     chosen, eye, frames = curved(
         space, view, material, curvature=curvature, scale=scale, gain=gain,
-        importance=importance, shininess=shininess, roughness=roughness, bins=bins,
+        foreshortening=foreshortening, importance=importance, shininess=shininess,
+        roughness=roughness, bins=bins,
     )  # fmt: skip
     shaded: NDArray[Any]
     if illumination == "occlusion":

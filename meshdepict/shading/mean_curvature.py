@@ -14,6 +14,7 @@ from meshdepict.scene.view import View
 from meshdepict.shading.features import (
     DEFAULT_GAIN,
     CurvatureKind,
+    Foreshortening,
     Scale,
     convexity,
     sight,
@@ -43,6 +44,7 @@ def mean_curvature(
         float | None,
         Range(0, 1e30, help="factor on curvature; object 2.8, view 10 if none", soft=(0, 20)),
     ] = None,
+    foreshortening: Foreshortening = 1.0,
     exposure: Exposure = 1.0,
 ) -> NDArray[np.float32]:
     """Shade by ½·2^κ: convexities bright, concavities dark, whatever the light.
@@ -56,6 +58,8 @@ def mean_curvature(
     gain : float, optional
         As in `radiance_scaling`, but four times that by default: this shading has a quarter of
         its range.
+    foreshortening : float
+        As in `radiance_scaling`.
 
     Returns
     -------
@@ -65,6 +69,8 @@ def mean_curvature(
     if gain is None:
         gain = _STRONGER * DEFAULT_GAIN[curvature]
     eye = sight(view, space, fitted=curvature == "view")
-    kappa = convexity(space, eye, curvature=curvature, scale=scale, gain=gain)
+    kappa = convexity(
+        space, eye, curvature=curvature, scale=scale, gain=gain, foreshortening=foreshortening
+    )
     half = np.float32(0.5)
     return exposed(half * scaling(kappa, np.float32(1), magnitude=math.log(2)), exposure)

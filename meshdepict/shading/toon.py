@@ -9,10 +9,11 @@ from numpy.typing import NDArray
 
 from meshdepict.options import Range
 from meshdepict.scales.space import ScaleSpace
-from meshdepict.scene.material import Lambert, soft_steps
+from meshdepict.scene.material import Lambert
 from meshdepict.scene.names import LightsLike, as_lights
 from meshdepict.shading.direct import direct
 from meshdepict.shading.method import Exposure, exposed, method
+from meshdepict.shading.tones import soft_tones
 
 __all__ = ["Bins", "Sharpness", "toon"]
 
@@ -29,7 +30,7 @@ def toon(
     sharpness: Sharpness = 6.0,
     exposure: Exposure = 1.0,
 ) -> NDArray[np.float32]:
-    """Shade by n·l in soft steps."""
+    """Shade by n·l in soft steps; coloured light keeps its hue in every tone."""
     no_eye = np.array([[0], [0], [1]], np.float32)  # the material does not look at it
     shaded = direct(space, as_lights(light), no_eye, Lambert())
-    return exposed(soft_steps(shaded, bins=bins, sharpness=sharpness), exposure)
+    return exposed(soft_tones(shaded, bins=bins, sharpness=sharpness), exposure)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from meshdepict.options import Range
 from meshdepict.scales.space import ScaleSpace
 from meshdepict.scene.view import View
-from meshdepict.shading.features import Scale
+from meshdepict.shading.features import Foreshortening, Scale
 from meshdepict.shading.method import Exposure, exposed, method
 
 __all__ = ["view_curvature"]
@@ -36,9 +36,7 @@ def view_curvature(
     gain: Annotated[
         float, Range(0, 1e30, help="factor on curvature per pixel before tanh", soft=(0, 100))
     ] = 20.0,
-    foreshortening: Annotated[
-        float, Range(0, 10, help="power of n·z in the slope; 1 in the paper", soft=(0, 1))
-    ] = 1.0,
+    foreshortening: Foreshortening = 1.0,
     exposure: Exposure = 1.0,
 ) -> NDArray[np.float32]:
     """Colour hollows warm, bumps cold, silhouettes and creases black, as the view sees them.

@@ -42,10 +42,12 @@ OPTIONS = {
         {"ambient_magnitude": 0.0, "diffuse_magnitude": 9.0, "specular_magnitude": 2.0},
         {"curvature": "view", "warping": 4.0, "shininess": 40.0},
         {"curvature": "view", "anisotropy": -1.0, "gain": 1.0},
+        {"curvature": "view", "foreshortening": 0.4},
     ],
     "light_warping": [
         {"material": "phong", "contrast": -0.5, "shininess": 5.0},
         {"curvature": "view", "magnitude": -4.0},
+        {"curvature": "view", "foreshortening": 0.0, "material": "phong"},
         {"scale": 0, "gain": 0.3, "exposure": 0.5},
         {"magnitude": 0.0},
     ],

@@ -108,14 +108,18 @@ vec3 shade() {
 
 def _frames(space: ScaleSpace, view: View, options: Options) -> tuple[int, Attributes]:
     """Return normals, frames and curvature at the default gain."""
-    found = features(space, view, curvature=options["curvature"], scale=options["scale"], gain=None)
+    found = features(
+        space, view, curvature=options["curvature"], scale=options["scale"], gain=None,
+        foreshortening=options["foreshortening"],
+    )  # fmt: skip
     bend = np.stack((found.ku, found.kv), axis=1)
     return 3, packed((space.normals[0], found.u, found.z)) | {"curvature": bend}
 
 
 def _frames_key(view: View, options: Options) -> tuple[Any, ...]:
     kind = options["curvature"]
-    return kind, options["scale"], view if kind == "view" else None
+    seen = (view, options["foreshortening"]) if kind == "view" else None
+    return kind, options["scale"], seen
 
 
 def _curved(options: Options) -> Uniforms:
