@@ -42,6 +42,8 @@ OPTIONS = {
         {"ambient_magnitude": 0.0, "diffuse_magnitude": 9.0, "specular_magnitude": 2.0},
         {"curvature": "view", "warping": 4.0, "shininess": 40.0},
         {"curvature": "view", "anisotropy": -1.0, "gain": 1.0},
+        {"magnitude": 20.0, "gain": 10.0, "shininess": 60.0},
+        {"magnitude": 20.0, "gain": 10.0, "exposure": 0.05},
     ],
     "light_warping": [
         {"material": "phong", "contrast": -0.5, "shininess": 5.0},
