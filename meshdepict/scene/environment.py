@@ -19,12 +19,12 @@ from meshdepict.options import real
 from meshdepict.scene.equirectangular import (
     bilinear,
     grid,
-    median_cut,
     read_radiance,
     to_picture,
     to_world,
 )
 from meshdepict.scene.light import Light
+from meshdepict.scene.parts import compact_parts, summed
 from meshdepict.scene.upright import upright
 
 __all__ = ["LUMINANCE", "Environment"]
@@ -37,6 +37,7 @@ LUMINANCE = np.array([0.2126, 0.7152, 0.0722])  # of linear sRGB primaries
 _COSINE = (math.pi, 2 * math.pi / 3, math.pi / 4)
 # Widths in radians of the blurred copies, and the rows that show them without loss.
 _BLURS = ((0.1, 64), (0.2, 32), (0.4, 20), (0.8, 12), (1.6, 8))
+_CUT_SOURCE = 512  # rows of the picture that lights are cut from: a third of a degree
 _BLUR_SOURCE = 64  # rows of the picture that is blurred: half a width of the sharpest copy
 
 
@@ -109,10 +110,10 @@ class Environment:
         return float((self.pixels @ LUMINANCE).max())
 
     def lights(self, count: int = 54) -> list[Light]:
-        """Return directional lights that stand for the environment, by median cut.
+        """Return directional lights that stand for the environment.
 
-        The picture is cut again and again (Debevec 2005): the part with the most flux, across its
-        longer side, into halves of equal flux. Each part becomes a light at its centroid.
+        The picture is cut into parts whose light comes from nearly one direction each
+        (`meshdepict.scene.parts.compact_parts`), and each becomes a light at its centroid.
 
         Parameters
         ----------
@@ -127,18 +128,33 @@ class Environment:
         number = real(count)
         if number is None or not 1 <= number <= 1_000_000 or not number.is_integer():
             raise MeshdepictError(f"count={count!r} is not a number of lights")
-        flux = self.pixels * self._solid_angles[..., None]
-        power = flux @ LUMINANCE
+        table = self._table
         lights = []
-        for number, (rows, columns) in enumerate(median_cut(power, self._solid_angles, int(count))):
-            weight = power[rows, columns]
-            towards = self._directions[rows, columns]
-            centroid = np.einsum("hw,hwa->a", weight, towards)
-            if np.linalg.norm(centroid) <= 1e-9 * weight.sum():  # black, or all round
-                centroid = towards[weight.shape[0] // 2, weight.shape[1] // 2]
-            color = flux[rows, columns].sum(axis=(0, 1), dtype=np.float64) / math.pi
-            lights.append(Light(centroid, f"{self.name or 'environment'} {number + 1}", color))
+        for number, part in enumerate(compact_parts(table[..., :4], int(count))):
+            r0, r1, c0, c1 = part
+            total = table[r1, c1] - table[r0, c1] - table[r1, c0] + table[r0, c0]
+            centroid = total[1:4]
+            if np.linalg.norm(centroid) <= 1e-9 * total[0]:  # all round
+                centroid = self._cells[1][(r0 + r1) // 2, (c0 + c1) // 2]
+            name = f"{self.name or 'environment'} {number + 1}"
+            color = np.maximum(total[4:], 0) / math.pi
+            lights.append(Light(to_world(centroid, self.up), name, color))
         return lights
+
+    @cached_property
+    def _cells(self) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+        """What lights are cut from: flux and solid angle (h, w, 4), and directions, y up."""
+        return self.reduced(_CUT_SOURCE)
+
+    @cached_property
+    def _table(self) -> NDArray[np.float64]:
+        """Summed power, power times direction, and flux: (h + 1, w + 1, 7)."""
+        flux, towards = self._cells
+        power = flux[..., :3].astype(np.float64) @ LUMINANCE
+        # What has no light at all is cut too, if it comes to that: by solid angle.
+        power += 1e-12 * (float(power.sum()) or 1.0) / (4 * math.pi) * flux[..., 3]
+        moments = power[..., None] * towards
+        return summed(np.concatenate([power[..., None], moments, flux[..., :3]], axis=2))
 
     def irradiance(self, normals: ArrayLike) -> NDArray[np.float64]:
         """Return ∫ ⟨n·l⟩ L(l) dl by spherical harmonics up to order 2.
@@ -229,6 +245,9 @@ class Environment:
             d for d in range(1, common + 1) if common % d == 0 and d <= max(1, height // rows)
         )
         angles = np.broadcast_to(self._solid_angles, (height, width))[..., None]
+        if step == 1:
+            flux = np.concatenate([self.pixels * angles, angles], axis=2, dtype=np.float32)
+            return flux, grid(height, width).astype(np.float32)
         blocks = height // step, step, width // step, step
         parts = np.concatenate([self.pixels * angles, angles, grid(height, width) * angles], axis=2)
         sums = parts.reshape(*blocks, 7).sum(axis=(1, 3))

@@ -1,4 +1,4 @@
-"""Equirectangular pictures: reading, directions, values between pixels, cuts of equal light.
+"""Equirectangular pictures: reading, directions, values between pixels.
 
 Directions here are in the picture's own frame: y is up, the first row is at +y, the middle column
 at −z, the right quarter at +x.
@@ -6,7 +6,6 @@ at −z, the right quarter at +x.
 
 from __future__ import annotations
 
-import heapq
 import math
 import re
 from pathlib import Path
@@ -19,7 +18,7 @@ from meshdepict.errors import MeshdepictError
 from meshdepict.files.reach import regular
 from meshdepict.scene.upright import upright
 
-__all__ = ["bilinear", "grid", "median_cut", "read_radiance", "to_picture", "to_world"]
+__all__ = ["bilinear", "grid", "read_radiance", "to_picture", "to_world"]
 
 Floats = NDArray[Any]
 
@@ -66,44 +65,6 @@ def bilinear(pixels: NDArray[np.float32], directions: Floats) -> NDArray[np.floa
         rows[1], columns[1]
     ]
     return (1 - lower_share) * top + lower_share * base
-
-
-def median_cut(
-    power: NDArray[np.float64], solid_angles: NDArray[np.float64], count: int
-) -> list[tuple[slice, slice]]:
-    """Cut a picture into parts of about equal power."""
-    height, width = power.shape
-    # What has no light at all is cut too, if it comes to that: by solid angle.
-    least = 1e-12 * max(float(power.sum()), 1e-300) / (4 * math.pi)
-    mass = np.zeros((height + 1, width + 1))
-    mass[1:, 1:] = (power + least * solid_angles).cumsum(axis=0).cumsum(axis=1)
-
-    def total(r0: int, r1: int, c0: int, c1: int) -> float:
-        return float(mass[r1, c1] - mass[r0, c1] - mass[r1, c0] + mass[r0, c0])
-
-    def entry(*part: int) -> tuple[bool, float, tuple[int, ...]]:
-        single = part[1] - part[0] == 1 and part[3] - part[2] == 1
-        return (single, -total(*part), part)  # single pixels go last: they can't be cut
-
-    heap = [entry(0, height, 0, width)]
-    while len(heap) < count and not heap[0][0]:
-        r0, r1, c0, c1 = heapq.heappop(heap)[2]
-        middle = math.sin(math.pi * (r0 + r1) / 2 / height)
-        tall = (r1 - r0) / height * math.pi, (c1 - c0) / width * 2 * math.pi * middle
-        by_rows = c1 - c0 == 1 or (r1 - r0 > 1 and tall[0] >= tall[1])
-        if by_rows:
-            before = mass[r0 : r1 + 1, c1] - mass[r0 : r1 + 1, c0]
-        else:
-            before = mass[r1, c0 : c1 + 1] - mass[r0, c0 : c1 + 1]
-        half = (before[0] + before[-1]) / 2
-        cut = 1 + int(np.argmin(np.abs(before[1:-1] - half)))
-        if by_rows:
-            parts = (r0, r0 + cut, c0, c1), (r0 + cut, r1, c0, c1)
-        else:
-            parts = (r0, r1, c0, c0 + cut), (r0, r1, c0 + cut, c1)
-        for part in parts:
-            heapq.heappush(heap, entry(*part))
-    return [(slice(r0, r1), slice(c0, c1)) for _, _, (r0, r1, c0, c1) in sorted(heap)]
 
 
 def read_radiance(path: Path) -> NDArray[np.float32]:

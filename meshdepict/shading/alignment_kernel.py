@@ -14,7 +14,13 @@ from numpy.typing import NDArray
 
 from meshdepict.threads import each, kernel, spans, thread_count
 
-__all__ = ["align_chain", "arc_tangent", "cosine", "sine"]
+__all__ = ["SINGLE", "align_chain", "arc_tangent", "cosine", "rotated", "sine"]
+
+# Sharpness γ above which the chain runs in double precision. A strength of 1 leaves a light e^−γ
+# beside its guide, and the direction of that is what the next scale turns it by: in single
+# precision the worst of 36,000 vertices was off by 0.2 grey levels at γ = 3, by 1.8 at 5, by 215
+# at 8; above, up to 3 % of them were.
+SINGLE = 4.0
 
 _BLOCK = 256  # samples whose lights stay in the fastest cache
 _ONE, _ZERO = np.float32(1), np.float32(0)
@@ -87,13 +93,15 @@ def align_chain(
     (3, n) array of float32
     """
     count = planes.shape[2]
-    lights = np.empty((3, count), np.float32)
+    exact = sharpness > SINGLE
+    lights = np.empty((3, count), np.float64 if exact else np.float32)
     lights[:] = light.astype(np.float32)[:, None]
-    strengths = strengths.astype(np.float32)
-    fade = np.float32(math.exp(-sharpness))
+    strengths = strengths.astype(lights.dtype)
+    fade = lights.dtype.type(math.exp(-sharpness))
+    work = _exact_chain if exact else _chain
     pieces = thread_count() if count > 5_000 else 1
-    each(lambda a, b: _chain(planes, strengths, fade, lights, a, b), spans(count, pieces))
-    return lights
+    each(lambda a, b: work(planes, strengths, fade, lights, a, b), spans(count, pieces))
+    return lights.astype(np.float32, copy=False)
 
 
 @kernel("reordered")
@@ -115,37 +123,77 @@ def _chain(planes, strengths, fade, lights, begin, end):  # type: ignore[no-unty
 def _rotate(nx, ny, nz, zx, zy, zz, strength, fade, lx, ly, lz):  # type: ignore[no-untyped-def]
     """Do `light_alignment.align` in place; without branches the loop runs in vector registers."""
     for i in range(len(lx)):
-        n0, n1, n2 = nx[i], ny[i], nz[i]
-        z0, z1, z2 = zx[i], zy[i], zz[i]
-        l0, l1, l2 = lx[i], ly[i], lz[i]
-        c = n0 * z0 + n1 * z1 + n2 * z2  # n_z in the local frame
-        # z × n: its length is n_x, and with l it gives n_x l·y.
-        w0, w1, w2 = z1 * n2 - z2 * n1, z2 * n0 - z0 * n2, z0 * n1 - z1 * n0
-        length = math.sqrt(w0 * w0 + w1 * w1 + w2 * w2)
-        along_z = l0 * z0 + l1 * z1 + l2 * z2
-        along_x = (l0 * n0 + l1 * n1 + l2 * n2) - along_z * c  # n_x l·x
-        along_y = l0 * w0 + l1 * w1 + l2 * w2
-        bright = along_x >= _ZERO
-        # Guide: n, or (z − n_z n) / n_x, which is −n_z x + n_x z.
-        g0 = n0 if bright else z0 - c * n0
-        g1 = n1 if bright else z1 - c * n1
-        g2 = n2 if bright else z2 - c * n2
-        scaled = _ONE / math.sqrt(max(g0 * g0 + g1 * g1 + g2 * g2, _TINY))
-        g0, g1, g2 = g0 * scaled, g1 * scaled, g2 * scaled
-        # Confidence: 0 too where guide or base is missing, because then w and length are.
-        q0, q1, q2 = l1 * z2 - l2 * z1, l2 * z0 - l0 * z2, l0 * z1 - l1 * z0
-        level = q0 * q0 + q1 * q1 + q2 * q2
-        first = arc_tangent(abs(along_x), abs(along_y)) / _HALF_PI
-        first = first * math.sqrt(level / (level + _SINGULAR))
-        first = first if bright or c > _ZERO else _ZERO
-        confidence = min(_ONE, max(_ZERO, first * length))
-        weight = confidence / max(fade * (_ONE - confidence) + confidence, _TINY)
-        # Rotation.
-        cos = g0 * l0 + g1 * l1 + g2 * l2
-        t0, t1, t2 = g0 - cos * l0, g1 - cos * l1, g2 - cos * l2
-        sin = math.sqrt(t0 * t0 + t1 * t1 + t2 * t2)
-        acute = arc_tangent(sin, abs(cos))
-        angle = acute if cos >= _ZERO else _HALF_PI + _HALF_PI - acute
-        turn = strength * weight * angle - _HALF_PI
-        a, b = -sine(turn), cosine(turn) / max(sin, _TINY)  # cos θ, sin θ / ‖t‖
-        lx[i], ly[i], lz[i] = a * l0 + b * t0, a * l1 + b * t1, a * l2 + b * t2
+        lx[i], ly[i], lz[i] = rotated(
+            nx[i], ny[i], nz[i], zx[i], zy[i], zz[i], strength, fade, lx[i], ly[i], lz[i]
+        )
+
+
+@kernel("reordered", inline=True)
+def guided(n0, n1, n2, z0, z1, z2, l0, l1, l2):  # type: ignore[no-untyped-def]
+    """Return the guide of a light, and what its confidence is made of.
+
+    That is n_x |l·x|, n_x |l·y|, ‖l̄‖/√(‖l̄‖² + 10⁻⁶), n_x, and whether the side has a guide.
+    """
+    c = n0 * z0 + n1 * z1 + n2 * z2  # n_z in the local frame
+    # z × n: its length is n_x, and with l it gives n_x l·y.
+    w0, w1, w2 = z1 * n2 - z2 * n1, z2 * n0 - z0 * n2, z0 * n1 - z1 * n0
+    length = math.sqrt(w0 * w0 + w1 * w1 + w2 * w2)
+    along_z = l0 * z0 + l1 * z1 + l2 * z2
+    along_x = (l0 * n0 + l1 * n1 + l2 * n2) - along_z * c  # n_x l·x
+    along_y = l0 * w0 + l1 * w1 + l2 * w2
+    bright = along_x >= _ZERO
+    # Guide: n, or (z − n_z n) / n_x, which is −n_z x + n_x z.
+    g0 = n0 if bright else z0 - c * n0
+    g1 = n1 if bright else z1 - c * n1
+    g2 = n2 if bright else z2 - c * n2
+    scaled = _ONE / math.sqrt(max(g0 * g0 + g1 * g1 + g2 * g2, _TINY))
+    # Confidence: 0 too where guide or base is missing, because then w and length are.
+    q0, q1, q2 = l1 * z2 - l2 * z1, l2 * z0 - l0 * z2, l0 * z1 - l1 * z0
+    level = q0 * q0 + q1 * q1 + q2 * q2
+    level = math.sqrt(level / (level + _SINGULAR))
+    sided = bright or c > _ZERO
+    return g0 * scaled, g1 * scaled, g2 * scaled, abs(along_x), abs(along_y), level, length, sided
+
+
+@kernel("reordered", inline=True)
+def rotated(n0, n1, n2, z0, z1, z2, strength, fade, l0, l1, l2):  # type: ignore[no-untyped-def]
+    """Return what `light_alignment.align` does, in single precision."""
+    g0, g1, g2, x, y, level, length, sided = guided(n0, n1, n2, z0, z1, z2, l0, l1, l2)
+    first = arc_tangent(x, y) / _HALF_PI
+    first = first * level if sided else _ZERO
+    confidence = min(_ONE, max(_ZERO, first * length))
+    weight = confidence / max(fade * (_ONE - confidence) + confidence, _TINY)
+    cos = g0 * l0 + g1 * l1 + g2 * l2
+    t0, t1, t2 = g0 - cos * l0, g1 - cos * l1, g2 - cos * l2
+    sin = math.sqrt(t0 * t0 + t1 * t1 + t2 * t2)
+    acute = arc_tangent(sin, abs(cos))
+    angle = acute if cos >= _ZERO else _HALF_PI + _HALF_PI - acute
+    turn = strength * weight * angle - _HALF_PI
+    a, b = -sine(turn), cosine(turn) / max(sin, _TINY)  # cos θ, sin θ / ‖t‖
+    return a * l0 + b * t0, a * l1 + b * t1, a * l2 + b * t2
+
+
+@kernel("reordered")
+def _exact_chain(planes, strengths, fade, lights, begin, end):  # type: ignore[no-untyped-def]
+    """Do the same from single to double precision, without polynomials."""
+    tiny = 1e-300
+    for i in range(begin, end):
+        l0, l1, l2 = lights[0, i], lights[1, i], lights[2, i]
+        for scale in range(len(strengths) - 1, -1, -1):
+            if strengths[scale] <= 0:
+                continue
+            n0, n1 = np.float64(planes[scale, 0, i]), np.float64(planes[scale, 1, i])
+            n2, z0 = np.float64(planes[scale, 2, i]), np.float64(planes[scale + 1, 0, i])
+            z1, z2 = np.float64(planes[scale + 1, 1, i]), np.float64(planes[scale + 1, 2, i])
+            g0, g1, g2, x, y, level, length, sided = guided(n0, n1, n2, z0, z1, z2, l0, l1, l2)
+            if not sided:
+                continue
+            confidence = min(1.0, math.atan2(x, y) * (2 / math.pi) * level * length)
+            weight = confidence / max(fade * (1 - confidence) + confidence, tiny)
+            cos = g0 * l0 + g1 * l1 + g2 * l2
+            t0, t1, t2 = g0 - cos * l0, g1 - cos * l1, g2 - cos * l2
+            sin = math.sqrt(t0 * t0 + t1 * t1 + t2 * t2)
+            turn = strengths[scale] * weight * math.atan2(sin, cos)
+            a, b = math.cos(turn), math.sin(turn) / max(sin, tiny)
+            l0, l1, l2 = a * l0 + b * t0, a * l1 + b * t1, a * l2 + b * t2
+        lights[0, i], lights[1, i], lights[2, i] = l0, l1, l2

@@ -142,7 +142,7 @@ def light_alignment(
     strength: Strength = 0.4,
     specular_strength: Strength = 0.3,
     sharpness: Annotated[
-        float, Range(0, 1e6, help="γ: how narrow transitions from bright to dark are", soft=(0, 8))
+        float, Range(0, 20, help="γ: how narrow transitions from bright to dark are", soft=(0, 8))
     ] = 3.0,
     diffuse: Parameter = None,
     specular: Parameter = None,

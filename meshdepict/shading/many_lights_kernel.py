@@ -13,9 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshdepict.shading.features import Frames, Scaling
-from meshdepict.shading.material_kernel import diffuse, specular
+from meshdepict.shading.material_kernel import FAINT, diffuse, specular
 from meshdepict.shading.material_kinds import PHONG
-from meshdepict.shading.scaling_kernel import factors
+from meshdepict.shading.scaling_kernel import MOST_EXPONENT, factors
 from meshdepict.shading.warping_kernel import lights_at, look_up, stretch, turned, unwarp
 from meshdepict.threads import each, kernel, spans, thread_count
 
@@ -126,7 +126,9 @@ def _sum(  # type: ignore[no-untyped-def]
         for k in range(count):
             cosine[k] = nx * local[0, k] + ny * local[1, k] + nz * local[2, k]
         diffuse(kind, parameters, cosine, ne, term, delta)
+        faint = FAINT
         if scaled:
+            faint += min(MOST_EXPONENT, numbers[2])  # what scaling may multiply it by
             mean = ku[i] + kv[i]
             slant = anisotropy * (ku[i] - kv[i])
             convexity = -math.tanh(mean)  # where isotropic, else one for each light
@@ -137,7 +139,9 @@ def _sum(  # type: ignore[no-untyped-def]
             for k in range(count):
                 value[k] = term[k]
         if shiny:
-            specular(kind, parameters, local, cosine, nx, ny, nz, ex, ey, ez, ne, term, delta)
+            specular(
+                kind, parameters, faint, local, cosine, nx, ny, nz, ex, ey, ez, ne, term, delta
+            )
             if scaled:
                 factors(numbers[2], numbers[3], convexity, mean, slant, local, term, delta, factor)
                 for k in range(count):

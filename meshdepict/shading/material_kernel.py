@@ -18,12 +18,13 @@ from meshdepict.shading.material_kinds import (
 )
 from meshdepict.threads import kernel
 
-__all__ = ["diffuse", "specular"]
+__all__ = ["FAINT", "diffuse", "specular"]
+
+FAINT = np.float32(20)  # e^−20 is a millionth of a grey level
 
 _ZERO, _HALF, _ONE, _TWO = np.float32(0), np.float32(0.5), np.float32(1), np.float32(2)
 _TINY = np.float32(1e-30)
 _GRAZING = np.float32(1e-4)  # material.GRAZING
-_VANISHED = np.float32(20)  # powers below e^−20 are left out: a millionth of a grey level
 
 
 @kernel("reordered")
@@ -61,10 +62,14 @@ def diffuse(kind, parameters, cosine, ne, term, delta):  # type: ignore[no-untyp
 
 
 @kernel("reordered")
-def specular(kind, parameters, local, cosine, nx, ny, nz, ex, ey, ez, ne, term, delta):  # type: ignore[no-untyped-def]
-    """Write `material.specular_term` and its reflectance mapping δ."""
+def specular(kind, parameters, faint, local, cosine, nx, ny, nz, ex, ey, ez, ne, term, delta):  # type: ignore[no-untyped-def]
+    """Write `material.specular_term` and its reflectance mapping δ.
+
+    Powers below e^−faint are left out: `FAINT`, and the logarithm of what the term is multiplied
+    by afterwards at most.
+    """
     reflectance, power = parameters[1], parameters[2]
-    least = np.float32(math.exp(-_VANISHED / max(power, _TINY)))
+    least = np.float32(math.exp(-faint / max(power, _TINY)))
     count = len(cosine)
     if kind == PHONG:
         rx, ry, rz = _TWO * ne * nx - ex, _TWO * ne * ny - ey, _TWO * ne * nz - ez

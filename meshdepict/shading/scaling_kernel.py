@@ -11,10 +11,10 @@ import numpy as np
 
 from meshdepict.threads import kernel
 
-__all__ = ["factors"]
+__all__ = ["MOST_EXPONENT", "factors"]
 
 _ZERO, _ONE = np.float32(0), np.float32(1)
-_MOST = np.float32(60)  # radiance_scaling: e^60 is a float32 that may still be multiplied
+MOST_EXPONENT = np.float32(60)  # radiance_scaling: e^60 is a float32 that may still be multiplied
 
 
 @kernel("reordered")
@@ -39,4 +39,4 @@ def factors(magnitude, alpha, convexity, mean, slant, local, term, delta, factor
 @kernel("reordered")
 def _faded(magnitude, convexity):  # type: ignore[no-untyped-def]
     """Return E = e^−γκ."""
-    return np.float32(math.exp(max(-_MOST, min(_MOST, -magnitude * convexity))))
+    return np.float32(math.exp(max(-MOST_EXPONENT, min(MOST_EXPONENT, -magnitude * convexity))))

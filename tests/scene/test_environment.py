@@ -220,3 +220,25 @@ def test_a_lit_sphere_may_be_a_radiance_picture(tmp_path, rng):
     np.testing.assert_array_equal(shown, linear_to_srgb(decoded(rgbe)))
     baked = md.bake(md.samples.sphere(200), "lit_sphere", sphere=path)
     assert np.isfinite(baked.intensity).all()
+
+
+def test_each_light_stands_for_light_from_nearly_one_direction(rng):
+    pixels = np.full((32, 64, 3), 0.02)  # a dim room with a bright window
+    pixels[8:16, 20:28] = 5 * rng.uniform(0.5, 1, (8, 8, 1))
+    environment, normals = Environment(pixels), unit(rng, 500)
+    exact = exact_irradiance(environment, normals)
+    lights = environment.lights(54)
+    cosine = np.maximum(normals @ np.array([x.direction for x in lights]).T, 0)
+    found = math.pi * cosine @ np.array([x.color for x in lights])
+    # Measured: 0.0009, and 0.0025 with parts of equal power.
+    assert np.sqrt(np.mean((found - exact) ** 2)) < 0.0015 * exact.max()
+
+
+def test_a_picture_finer_than_what_is_cut_keeps_flux_and_direction():
+    pixels = np.zeros((1024, 2048, 3), np.float32)
+    pixels[300:302, 700:702] = 50
+    environment = Environment(pixels)
+    brightest = max(environment.lights(40), key=lambda light: light.color.sum())
+    expected = environment._directions[300:302, 700:702].sum(axis=(0, 1))
+    np.testing.assert_allclose(brightest.direction, expected / np.linalg.norm(expected), atol=1e-5)
+    np.testing.assert_allclose(brightest.color * math.pi, environment.flux, rtol=1e-5)

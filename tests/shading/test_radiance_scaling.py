@@ -8,7 +8,16 @@ import pytest
 import meshdepict as md
 from meshdepict import Environment, MeshdepictError, View, scale_space, shading
 from meshdepict.scene.light import Light
-from meshdepict.scene.material import AshikhminShirley, LitSphere, Mirror, Phong, Refractive, Toon
+from meshdepict.scene.material import (
+    AshikhminShirley,
+    LitSphere,
+    Mirror,
+    Phong,
+    Refractive,
+    Toon,
+    specular_term,
+    towards_visible,
+)
 from meshdepict.shading.radiance_scaling import scaling
 from meshdepict.shapes import samples
 
@@ -53,6 +62,30 @@ def test_phong_is_the_formula_term_by_term(space):
         + 0.3 * s * scaling(k, s, invariant=0.3, magnitude=2)
     )
     np.testing.assert_allclose(found, np.clip(0.2 * expected, 0, 1), atol=2e-5)
+
+
+@pytest.mark.parametrize("material", [Phong(0, 0, 0.3, 60), AshikhminShirley(0, 0.3, 60)], ids=repr)
+@pytest.mark.parametrize("magnitude", [4.0, 20.0, 50.0])
+def test_what_is_faint_is_judged_after_scaling(space, material, magnitude):
+    """In hollows δ · scaling is near 1 down to δ = e^−γ: a power that looks like nothing."""
+    light, gain = Light((-1, 1, 1)).direction, 10.0
+    found = shading.radiance_scaling(
+        space, light, material=material, magnitude=magnitude, gain=gain, exposure=0.1
+    )
+    n, k = space.normals[0].astype(float), kappa(space, gain)
+    e = np.broadcast_to([0, 0, 1.0], n.shape)
+    term = specular_term(material, n, light, e)
+    if isinstance(material, Phong):
+        delta = term / material.specular
+    else:
+        h = light + towards_visible(n, e)
+        delta = np.einsum("ij,ij->i", n, h / np.linalg.norm(h, axis=1, keepdims=True))
+    expected = 0.1 * term * scaling(k, delta, magnitude=magnitude)
+    # The steepest slope of δ · scaling over ln δ is γ/4 or so, and ln δ is 60 ln cos: single
+    # precision leaves 60 · 1e-7 · γ.
+    np.testing.assert_allclose(found, np.clip(expected, 0, 1), atol=1e-4, rtol=3e-5 * magnitude)
+    if isinstance(material, Phong) and magnitude > 20:
+        assert ((term < np.exp(-20)) & (expected > 0.01)).any()
 
 
 @pytest.mark.parametrize("material", GRAYS)
