@@ -140,7 +140,7 @@ def _unpacked(one: Slice, start: int, kind: str, notes: list[str]) -> NDArray[An
     fragments, packed = _fragments(one, start)
     if one.file.syntax == RLE:
         return unpacked_runs(fragments[1:], shape, np.dtype(kind).itemsize, name)
-    check_jpeg(fragments[1:], *shape[1:], 8 * np.dtype(kind).itemsize, name)
+    check_jpeg(fragments[1:], shape[1], shape[2], 8 * np.dtype(kind).itemsize, name)
     noise: list[str] = []
     with simpleitk([]) as sitk, tempfile.TemporaryDirectory() as folder:
         bare = Path(folder, "bare.dcm")
