@@ -1,6 +1,7 @@
 """Shape depiction in object space: shade a surface so that people see its form.
 
-Everything public is imported on first use, so that ``import meshdepict`` costs next to nothing::
+Everything public is imported on first use, so that ``import meshdepict`` costs next to nothing, and
+the command answers Ctrl-C soon::
 
     import meshdepict as md
 
@@ -9,18 +10,17 @@ Everything public is imported on first use, so that ``import meshdepict`` costs 
 
 from __future__ import annotations
 
-import importlib
-from typing import TYPE_CHECKING, Any
-
-from meshdepict.errors import MeshdepictError, MeshdepictWarning
-
+TYPE_CHECKING = False  # typing's takes milliseconds; type checkers know the name
 if TYPE_CHECKING:
+    from typing import Any
+
     from meshdepict import congruence, curvature, shading
     from meshdepict.baking.baked import Baked
     from meshdepict.baking.look import bake, bake_volume
     from meshdepict.baking.recipe import load_recipe, save_recipe
     from meshdepict.color.transfer_function import TransferFunction
     from meshdepict.congruence.comparison import compare
+    from meshdepict.errors import MeshdepictError, MeshdepictWarning
     from meshdepict.io import read, read_mesh
     from meshdepict.io.volumes import read_volume
     from meshdepict.scales.making import scale_space, smooth_normals
@@ -71,6 +71,8 @@ _HOME = {
     "Look": "baking.look",
     "Light": "scene.light",
     "Mesh": "shapes.mesh",
+    "MeshdepictError": "errors",
+    "MeshdepictWarning": "errors",
     "ScaleSpace": "scales.space",
     "TransferFunction": "color.transfer_function",
     "View": "scene.view",
@@ -92,6 +94,8 @@ _MODULES = {"samples": "shapes.samples"}
 
 
 def __getattr__(name: str) -> Any:
+    import importlib
+
     if name == "__version__":
         from importlib.metadata import version
 

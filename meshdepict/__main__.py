@@ -1,10 +1,11 @@
 """``python -m meshdepict``, and where the command ``meshdepict`` begins.
 
-Nothing is imported here before Ctrl-C is answered: half a second of imports follows.
+Next to nothing is imported here before Ctrl-C is answered: half a second of imports follows. The
+module ``signal`` alone takes milliseconds, for its enumerations; what it wraps takes none.
 """
 
+import _signal as signal  # type: ignore[import-not-found]
 import os
-import signal
 import sys
 
 _INTERRUPTED = 130  # as shells count: 128 + the signal

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from meshdepict.errors import MeshdepictError
 from meshdepict.files.library_noise import library_noise
 from meshdepict.files.limits import check_claim
+from meshdepict.io.dicom_fragments import RLE, check_jpeg, fragments_of, unpacked_runs
 from meshdepict.io.dicom_header import Slice
 from meshdepict.io.itk import array_of, reason, simpleitk
 
@@ -134,30 +135,34 @@ def _padded(one: Slice, numbers: NDArray[Any]) -> Any:
 
 
 def _unpacked(one: Slice, start: int, kind: str, notes: list[str]) -> NDArray[Any]:
-    """Let GDCM unpack a file's fragments."""
-    shape = one.size[::-1]
+    """Unpack a file's fragments, or let GDCM do so."""
+    shape, name = one.size[::-1], one.path.name
+    fragments, packed = _fragments(one, start)
+    if one.file.syntax == RLE:
+        return unpacked_runs(fragments[1:], shape, np.dtype(kind).itemsize, name)
+    check_jpeg(fragments[1:], shape[1], shape[2], 8 * np.dtype(kind).itemsize, name)
     noise: list[str] = []
     with simpleitk([]) as sitk, tempfile.TemporaryDirectory() as folder:
         bare = Path(folder, "bare.dcm")
-        bare.write_bytes(_bare(one, start))
+        bare.write_bytes(_bare(one, packed))
         try:
             with library_noise(noise):
                 image = sitk.ReadImage(str(bare), imageIO="GDCMImageIO")
         except RuntimeError as error:
             why = noise[0] if noise else reason(error)
-            raise MeshdepictError(f"holds a damaged file, {one.path.name}: {why}") from error
+            raise MeshdepictError(f"holds a damaged file, {name}: {why}") from error
         if noise:
-            notes.append(f"unpacking {one.path.name} met damage: {noise[0]}")
+            notes.append(f"unpacking {name} met damage: {noise[0]}")
         found = array_of(image)
         if found.shape != shape or found.dtype.kind not in "iu":
             raise MeshdepictError(
-                f"holds a damaged file, {one.path.name}: its pixels unpack to another size than "
+                f"holds a damaged file, {name}: its pixels unpack to another size than "
                 "the header claims"
             )
         return found.astype(kind)  # negative numbers wrap to the bits that were stored
 
 
-def _bare(one: Slice, start: int) -> bytes:
+def _bare(one: Slice, fragments: bytes) -> bytes:
     """Return a file of nothing but pixels and what it takes to unpack them."""
 
     def element(tag: int, vr: bytes, value: bytes) -> bytes:
@@ -193,26 +198,17 @@ def _bare(one: Slice, start: int) -> bytes:
         + short(0x00280102, high)
         + short(0x00280103, one.tag("0028|0103") == "1")
     )
-    fragments = _fragments(one, start)
     pixels = struct.pack("<HH2sxxI", 0x7FE0, 0x0010, b"OB", 0xFFFFFFFF) + fragments
     length = element(0x00020000, b"UL", struct.pack("<I", len(meta)))
     return bytes(128) + b"DICM" + length + meta + body + pixels
 
 
-def _fragments(one: Slice, start: int) -> bytes:
-    """Return compressed fragments up to the mark at their end; GDCM believes their lengths."""
+def _fragments(one: Slice, start: int) -> tuple[list[bytes], bytes]:
+    """Return compressed fragments, and their bytes up to the mark at their end."""
     data: Any = one.file.data
     if not len(data):
         with one.path.open("rb") as file:
             file.seek(start)
             data, start = file.read(), 0
-    at = start
-    while at + 8 <= len(data):
-        group, element, length = struct.unpack_from("<HHI", data, at)
-        at += 8
-        if (group, element) == (0xFFFE, 0xE0DD):
-            return bytes(data[start:at])
-        if (group, element) != (0xFFFE, 0xE000) or at + length > len(data):
-            break
-        at += length
-    raise MeshdepictError(f"holds a damaged file, {one.path.name}: its compressed pixels don't end")
+    found, end = fragments_of(data, start, one.path.name)
+    return found, bytes(data[start:end])

@@ -83,6 +83,18 @@ def test_the_command_begins_where_ctrl_c_is_answered():
     assert 'meshdepict = "meshdepict.__main__:run"' in text
 
 
+def test_next_to_nothing_is_imported_before_ctrl_c_is_answered():
+    """Each module of Python's own, such as ``signal``, takes milliseconds that print a traceback."""
+    code = "import sys; before = set(sys.modules); import meshdepict.__main__; "
+    code += "print(*sorted(set(sys.modules) - before))"
+    done = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, timeout=60, check=True
+    )
+    assert set(done.stdout.split()) <= {
+        "__future__", "_signal", "meshdepict", "meshdepict.__main__", "os", "posix", "sys",
+    }  # fmt: skip
+
+
 # --- closed pipes -------------------------------------------------------------------------------
 
 

@@ -316,7 +316,8 @@ def test_files_that_are_cut_off_are_left_out_with_a_warning(series):
 
 def test_damaged_pixels_are_refused(tmp_path, monkeypatch):
     raw = stored(phantom())
-    series = write_series(tmp_path, raw, phantom(), syntax=RLE, pixels=run_lengths(raw[:1]))
+    tags = {"syntax": "1.2.840.10008.1.2.4.70", "pixels": run_lengths(raw[:1])}
+    series = write_series(tmp_path, raw, phantom(), **tags)
 
     def fail(*_, **__):
         raise RuntimeError("ITK ERROR: GDCMImageIO(0x55ef): bad JPEG stream")
