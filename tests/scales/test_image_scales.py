@@ -264,6 +264,7 @@ def test_extreme_depth_ranges_are_finite(buffer):
     assert np.quantile(angle, 0.5) < 1e-3
 
 
+@pytest.mark.filterwarnings("ignore:width")
 def test_wide_widths_take_no_more_than_the_picture(buffer):
     small = GBuffer.of(buffer.mesh, "front", size=(24, 24))
     space = image_space(small, scales=2, width=1e4)
@@ -273,6 +274,7 @@ def test_wide_widths_take_no_more_than_the_picture(buffer):
 # --- wrong input ------------------------------------------------------------------------------
 
 
+@pytest.mark.filterwarnings("ignore:width")
 @pytest.mark.parametrize(
     ("options", "words"),
     [
