@@ -87,7 +87,7 @@ def bake_out_of_core(
         spacing=spacing, origin=origin, direction=direction, hounsfield=hounsfield,
     )  # fmt: skip
     look = Choices(method, **chosen).of_kind("volume")
-    shading = voxel_shading(place, look, transfer=look.transfer)
+    shading = voxel_shading(place, look, transfer=look.transfer).settled(None)
     rgba = lazy_rgba(values, shading, chunks=chunks)
     provenance = shading.provenance(None, math.nan)
     del provenance["shaded"]  # nobody has counted

@@ -20,7 +20,6 @@ from meshdepict.errors import MeshdepictError
 from meshdepict.scales.ladder import Progress
 from meshdepict.scales.making import scale_space
 from meshdepict.scales.space import ScaleSpace
-from meshdepict.scene.names import as_light, as_lighting
 
 if TYPE_CHECKING:
     from meshdepict.shapes.mesh import Mesh
@@ -40,7 +39,7 @@ def bake_surface(shape: Any, look: Choices, *, progress: Progress | None = None)
     """
     kind = _kind(shape) or "mesh"
     chosen, look = look, look.of_kind(kind)
-    up, (scales, ratio) = look.axis(kind), look.ladder
+    scales, ratio = look.ladder
     if isinstance(shape, ScaleSpace):
         mesh: Any = shape.shape
     else:
@@ -49,11 +48,7 @@ def bake_surface(shape: Any, look: Choices, *, progress: Progress | None = None)
     eye = look.eye(mesh)
     if isinstance(look.view, str) and look.view == "auto":
         look = look.replace(view=eye.name)
-    lamp = (
-        as_lighting(look.light, eye, up=up)
-        if look.colormap2d is None
-        else as_light(look.light, eye)
-    )
+    lamp = look.lighting(eye, kind)
     if isinstance(shape, ScaleSpace):
         space = shape
         refuse_other_scales(space, chosen)
@@ -62,6 +57,7 @@ def bake_surface(shape: Any, look: Choices, *, progress: Progress | None = None)
             mesh, scales=scales, width=look.width, ratio=ratio, facing=look.facing,
             tolerance=look.tolerance, progress=progress,
         )  # fmt: skip
+    look = look.settled(space)
     if space is not shape and not look.two_sided:  # viewers turn what they show
         warn_of_backs(space.points, space.normals[0], eye)
     linear = look.declared.linear

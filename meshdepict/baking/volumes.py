@@ -156,6 +156,7 @@ def bake_grid(
             shape, mask, shading.widths, shading.ratio,
             transfer=shading.transfer, tolerance=look.tolerance, memory=memory, progress=progress,
         )  # fmt: skip
+    shading = shading.settled(space)
     intensity = shading.shade(space)
     return BakedVolume(shading, space=space, intensity=intensity, shaded_share=space.shaded_share)
 
@@ -195,6 +196,7 @@ def _by_slabs(
     shading.refuse_pieces(
         "their normals take more memory than allowed: allow more with memory=, or show fewer voxels"
     )
+    shading = shading.settled(None)
     values = shading.shape.values
     nz, ny, nx = values.shape
     piece = Piece(values, (0, 0, 0), (nz, ny, nx), shading.shape.range)

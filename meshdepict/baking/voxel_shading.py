@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -14,7 +14,6 @@ from meshdepict.baking.provenance import describe
 from meshdepict.errors import MeshdepictError
 from meshdepict.scales.grid_scales import GridSpace, piece_space
 from meshdepict.scales.ladder import check_ladder, ladder
-from meshdepict.scene.names import as_lighting
 from meshdepict.scene.view import View
 from meshdepict.shapes.lengths import resolve_width
 from meshdepict.threads import each, spans
@@ -53,6 +52,10 @@ class VoxelShading:
     def linear(self) -> bool:
         """Whether the method's values are linear."""
         return self.look.declared.linear
+
+    def settled(self, space: GridSpace | None) -> VoxelShading:
+        """Return the same with numbers for options that follow the shape; None: of no whole one."""
+        return replace(self, look=self.look.settled(space))
 
     def shade(self, space: GridSpace) -> NDArray[np.float32]:
         """Return the method's values for the samples of a space."""
@@ -170,7 +173,7 @@ def voxel_shading(
     """
     from meshdepict.color.transfer import for_volume
 
-    up, (scales, ratio) = look.axis(shape.kind), look.ladder
+    scales, ratio = look.ladder
     if widths is None:
         check_ladder(scales, ratio, 0, look.tolerance)
         widths = ladder(scales, ratio, resolve_width(look.width, shape))
@@ -178,7 +181,7 @@ def voxel_shading(
     return VoxelShading(
         shape=shape,
         look=look,
-        light=as_lighting(look.light, eye, up=up),
+        light=look.lighting(eye, shape.kind),
         view=eye,
         widths=widths,
         ratio=float(ratio),

@@ -113,7 +113,7 @@ def volume(
             about = _shade_voxels(grid, wanted, progress, output, picture, before, cuts, page)
     written = ", ".join(str(path) for path in filter(None, (output, picture, before, *cuts)))
     seconds = time.perf_counter() - start
-    lamp = vars(look)["light"] or wanted.light
+    lamp = vars(look)["light"] or wanted.lit_by
     say(f"{written}: {method}, light {lamp}, {about}, {seconds:.1f} s")
 
 

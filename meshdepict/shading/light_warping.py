@@ -52,6 +52,7 @@ Single = NDArray[np.float32]
     linear=True,
     lights="several",
     needs=("curvature",),
+    light="studio",
     compared={"magnitude": 16.62},  # Local Light Alignment, figs. 13 and 14: on a matt material
     source="Light Warping (Vergne et al., SIGGRAPH 2009)",
 )

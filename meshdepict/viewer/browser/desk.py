@@ -17,6 +17,7 @@ from meshdepict.baking.recipe import save_recipe
 from meshdepict.errors import MeshdepictError
 from meshdepict.options import as_text
 from meshdepict.scene.light import Light
+from meshdepict.scene.rig import Rig
 from meshdepict.scene.view import View
 from meshdepict.viewer.controls import Control, controls
 from meshdepict.viewer.packing import sight
@@ -79,7 +80,7 @@ class Desk:
 
         session = self.session
         summary = (inspect.getdoc(session.function) or "").partition("\n\n")[0]
-        single = isinstance(session.light, Light)
+        handle = session.light.lamps[0] if isinstance(session.light, Rig) else session.light
         return {
             "title": self.title,
             "kinds": list(KINDS),
@@ -87,7 +88,7 @@ class Desk:
             "methods": list(METHODS),
             "about": " ".join(summary.split()),
             "controls": [self._control(control) for control in controls(session.function)],
-            "light": session.light.direction.tolist() if single else None,
+            "light": handle.direction.tolist() if isinstance(handle, Light) else None,
             "follows": session.light_fixed_to == "eye",
             "lightText": str(session.light)[:200],
             "colormap": session.colormap or "",
@@ -118,7 +119,7 @@ class Desk:
         with TemporaryDirectory(prefix="meshdepict-") as folder:
             path = Path(folder) / self.name(kind)
             if kind == "recipe":
-                save_recipe(path, self.session.look_now())
+                save_recipe(path, self.session.settled())
             elif kind == "png":
                 baked.picture(path, size=size)
             elif kind == "html":
@@ -156,7 +157,9 @@ class Desk:
         self.session.use(method)
 
     def _shine(self, direction: Any) -> None:
-        self.session.shine(Light(direction))
+        light = Light(direction)
+        rig = self.session.light
+        self.session.shine(rig.aimed(light) if isinstance(rig, Rig) else light)
 
     def _follow(self, follow: Any) -> None:
         self.session.fix_light("eye" if follow else "object")
