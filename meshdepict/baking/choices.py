@@ -248,11 +248,23 @@ class Choices:
             None of a shape that is never at hand as a whole.
         """
         fits = self.declared.fits
-        if fits is None:
-            return self
+        return self if fits is None else self.replace(**fits(space, self._every_option))
+
+    @property
+    def fitted(self) -> dict[str, Any]:
+        """Options that follow the shape unless they are given, with their values; None: open."""
+        fits, given = self.declared.fits, self._every_option
+        return {} if fits is None else {name: given[name] for name in fits(None, given)}
+
+    @property
+    def following(self) -> tuple[str, ...]:
+        """Names of the options that are still open, and follow the shape."""
+        return tuple(name for name, value in self.fitted.items() if value is None)
+
+    @property
+    def _every_option(self) -> dict[str, Any]:
         known = options_of(self.function).items()
-        given = {name: self.options.get(name, option.default) for name, option in known}
-        return self.replace(**fits(space, given))
+        return {name: self.options.get(name, option.default) for name, option in known}
 
     def words(self) -> dict[str, Any]:
         """Return what differs from the defaults, and the options, as keywords; not the method."""

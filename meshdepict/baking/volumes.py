@@ -196,10 +196,10 @@ def _by_slabs(
     shading.refuse_pieces(
         "their normals take more memory than allowed: allow more with memory=, or show fewer voxels"
     )
-    shading = shading.settled(None)
     values = shading.shape.values
     nz, ny, nx = values.shape
     piece = Piece(values, (0, 0, 0), (nz, ny, nx), shading.shape.range)
+    shading = shading.settled_by(lambda begin, end: piece)
     rgba, shaded = np.zeros((nz, ny, nx, 4), np.uint8), 0
     most = memory / sample_bytes(len(shading.widths))
     for begin, end in _groups(counts, most):

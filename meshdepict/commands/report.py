@@ -40,6 +40,8 @@ def method(name: str) -> str:
     from meshdepict.shading.method import NEEDS, declaration
     from meshdepict.shading.registry import find_method
 
+    from meshdepict.baking.look import Look
+
     function = find_method(name)
     declared = declaration(function)
     scales = "no scales: the mesh's own normals"
@@ -48,9 +50,16 @@ def method(name: str) -> str:
     values = "linear light, encoded as sRGB" if declared.linear else "display values, as they are"
     facts = [("paper", declared.source), ("uses", scales), ("values", values)]
     facts += [("needs", f"{need}: {NEEDS[need]}") for need in NEEDS if need in declared.needs]
+    if declared.lights != "none":
+        facts += [("light", f"{declared.light} unless told otherwise")]
+    follows = Look(function).following
+    if follows:
+        facts += [("fitted", f"to the shape unless given: {', '.join(follows)}")]
     options = [("--set", "default", "range", "")]
     for option in options_of(function).values():
         default = "none" if option.default is None else as_text(option.default)
+        if option.name in follows:
+            default = "fitted"
         options.append((option.name, default, str(option.accepts), option.help))
     if len(options) == 1:
         options = [("--set", "no options", "", "")]

@@ -101,7 +101,8 @@ def as_lights(light: Any, view: View | None = None, *, count: int = 54) -> list[
 def as_lighting(light: Any, view: View | None = None, *, up: str = "y") -> Any:
     """Return what a bake is lit by: a `Light`, `Lights`, or an Environment as it is.
 
-    "studio" and "key-and-fill" are `Rig`s. A text that ends in ".hdr" is an Environment's file, whose up is that of the shape.
+    "studio" and "key-and-fill" are `Rig`s. A text that ends in ".hdr" is an Environment's file,
+    whose up is that of the shape.
     """
     if isinstance(light, str) and light.lower().endswith(".hdr"):
         return Environment.from_file(light, up=up)

@@ -16,7 +16,8 @@ from meshdepict.scene.vectors import numbers_of, unit
 __all__ = ["RIGS", "Rig"]
 
 # For each rig its lamps: towards which direction (right, up, to the eye), half the opening of its
-# disc in degrees, how many lights stand for it, and how bright it is. No sum is above 1 on a sphere.
+# disc in degrees, how many lights stand for it, and how bright it is.
+# No sum is above 1 on a sphere.
 _LAMPS: Mapping[str, tuple[tuple[tuple[float, float, float], float, int, float], ...]] = {
     # A large soft box, a weaker one across from it, and one behind for the side turned away: many
     # lights, as where one of them sets, Light Warping drops it at once.
@@ -66,9 +67,9 @@ class Rig(Lights):
             (
                 light
                 for direction, radius, count, bright in _LAMPS[name]
-                for light in Light(
-                    np.array(direction) @ axes, name, np.full(3, bright)
-                ).spread(radius, count=count)
+                for light in Light(np.array(direction) @ axes, name, np.full(3, bright)).spread(
+                    radius, count=count
+                )
             ),
         )
         axes.setflags(write=False)

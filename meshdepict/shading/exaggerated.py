@@ -89,7 +89,7 @@ def settle(space: ScaleSpace | None, options: Mapping[str, Any]) -> dict[str, An
     if all(value is not None for value in given.values()):
         return given
     usual: tuple[Any, ...] = (_ANYWHERE, 1.0, 1.0)
-    if given["exaggeration"] is None and space is not None:
+    if given["exaggeration"] is None and space is not None and len(space.widths) > 1:
         usual = fitted_tones(space, emphasis=options.get("emphasis", _EMPHASIS))
     return {
         name: fit if given[name] is None else given[name]
@@ -128,7 +128,9 @@ def exaggerated(
     exaggeration: Annotated[
         float | tuple[float, ...] | None,
         Range(
-            0, 1e30, soft=(1, 60),
+            0,
+            1e30,
+            soft=(1, 60),
             help="steepness of the soft toon, one for all scales or finest,…,coarsest",
         ),
     ] = None,
@@ -171,7 +173,7 @@ def exaggerated(
     exaggeration : float or sequence of float, optional
         a of eq. 3, one for all scales or one each, finest first. The paper's figures use 25 to 50.
         Unless given, exaggeration, base and contrast follow the shape, whatever the light and the
-        view; see `fitted_tones`: each scale saturates 30 % of the samples (60 at most), so that
+        view; see `fitted_tones`: each scale saturates 30 % of the samples (40 at most), so that
         smooth finds are not grey and fur and scanner noise not black and white. With one given,
         base and contrast are 1, the paper's.
     emphasis : float

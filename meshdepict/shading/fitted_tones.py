@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 import weakref
+from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -21,8 +22,8 @@ __all__ = ["CONFORMITY", "SATURATED", "STEEPEST", "FittedTones", "fitted_tones",
 SATURATED = 0.3
 """Share of the samples that a band may turn black or white, over all directions of the light."""
 
-STEEPEST = 60.0
-"""Exaggeration at most: with it, normals off by 1e-4 are off by a grey level and a half."""
+STEEPEST = 40.0
+"""Exaggeration at most, within the paper's 25 to 50: normals off by 1e-4 show as a grey level."""
 
 CONFORMITY = 0.89
 """Least correlation with half-Lambert, over all samples and lights that they face or not.
@@ -48,9 +49,7 @@ class FittedTones(NamedTuple):
     contrast: float
 
 
-_KEPT: weakref.WeakKeyDictionary[ScaleSpace, dict[float, FittedTones]] = (
-    weakref.WeakKeyDictionary()
-)
+_KEPT: weakref.WeakKeyDictionary[ScaleSpace, dict[float, FittedTones]] = weakref.WeakKeyDictionary()
 
 
 def fitted_tones(space: ScaleSpace, *, emphasis: float) -> FittedTones:
@@ -64,11 +63,8 @@ def fitted_tones(space: ScaleSpace, *, emphasis: float) -> FittedTones:
 def _fit(space: ScaleSpace, emphasis: float) -> FittedTones:
     from meshdepict.shading.exaggerated import band_weights
 
-    normals = _some(space)
-    steep = tuple(
-        _rounded(_steepness(_sines(fine, coarse)))
-        for fine, coarse in zip(normals[:-1], normals[1:], strict=True)
-    )
+    normals = _some(space.typical())
+    steep = tuple(_rounded(_steepness(_sines(fine, coarse))) for fine, coarse in pairwise(normals))
     weights = band_weights(space.widths, space.ratio, emphasis=emphasis, contrast=1.0)
     if not normals.shape[1]:
         return FittedTones(steep, float(_BASES[0]), 1.0)
@@ -76,9 +72,7 @@ def _fit(space: ScaleSpace, emphasis: float) -> FittedTones:
     base = _rounded(_base(detail, coat, lambert))
     sums = np.abs(detail + np.float32(base) * coat) / (weights[:-1].sum() + base * weights[-1])
     high = float(np.quantile(sums, 1 - _CLIPPED))
-    return FittedTones(
-        steep, base, _rounded(min(max(1 / max(high, 1e-9), 1.0), _MOST_CONTRAST))
-    )
+    return FittedTones(steep, base, _rounded(min(max(1 / max(high, 1e-9), 1.0), _MOST_CONTRAST)))
 
 
 def _rounded(number: float) -> float:

@@ -66,8 +66,8 @@ def light_warping(
     scale: Scale = 1,
     gain: Gain = None,
     magnitude: Annotated[
-        float, Range(-1e30, 1e30, help="α: how far light is warped", soft=(-8, 8))
-    ] = 6.0,
+        float, Range(-1e30, 1e30, help="α: how far light is warped", soft=(-24, 24))
+    ] = 14.0,
     contrast: Annotated[
         float, Range(-1, 1, help="γ of eq. 3: below 0 brightens convexities")
     ] = 0.0,
@@ -108,9 +108,10 @@ def light_warping(
     gain : float, optional
         As in `radiance_scaling`.
     magnitude : float
-        α; 0 is plain rendering, below 0 stretches instead. The default, 6, was chosen by eye on
-        the bunny, the armadillo and Lucy: fur and folds stand out and the light still tells where
-        it comes from. With the default gain it is 15 per pixel (LLA compares with 16.62).
+        α; 0 is plain rendering, below 0 stretches instead. The default, 14, was chosen by eye under
+        the studio on nine scans: fur, folds and scales stand out (local contrast 1.2 to 1.5 times
+        that of plain rendering), and the light still tells where it comes from. With the default
+        gain it is 35 per pixel (LLA compares with 16.62).
     contrast : float
         Exponent of λ_u λ_v, which multiplies the result (eq. 3).
     quadrature : {"lights", "directions"}

@@ -72,6 +72,8 @@ class Declaration:
         ask once and keep the numbers.
     light : str
         Name of the light that shows what it is for, under which it is baked unless told otherwise.
+    ground : str
+        Background of its pictures unless told otherwise: "paper" where much of it is white.
     """
 
     scales: int
@@ -84,6 +86,7 @@ class Declaration:
     compared: Mapping[str, Any] | None = None
     light: str = LIGHT
     fits: Fits | None = None
+    ground: str = "white"
 
 
 def method(
@@ -97,6 +100,7 @@ def method(
     compared: Mapping[str, Any] | None = None,
     light: str = LIGHT,
     fits: Fits | None = None,
+    ground: str = "white",
     source: str,
 ) -> Callable[[Function], Function]:
     """Declare a shading function: its scales, the kind of its values, its needs and its paper.
@@ -106,7 +110,7 @@ def method(
 
     Parameters
     ----------
-    scales, ratio, linear, local, lights, needs, compared, light, fits, source
+    scales, ratio, linear, local, lights, needs, compared, light, fits, ground, source
         See `Declaration`.
 
     Raises
@@ -152,6 +156,7 @@ def method(
         shade.declaration = Declaration(  # type: ignore[attr-defined]
             scales, ratio, linear, source, local, lights, wanted | seen,
             None if compared is None else MappingProxyType(dict(compared)), light, fits,
+            ground,
         )  # fmt: skip
         shade.__doc__ = completed(function, lights=lights, linear=linear)
         return cast("Function", shade)
