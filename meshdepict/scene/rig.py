@@ -62,15 +62,13 @@ class Rig(Lights):
                 f"no lights are called {name!r}{nearest(name, RIGS)} (there are {', '.join(RIGS)})"
             )
         axes = np.array(frame, np.float64)
+        lights = (
+            light
+            for direction, radius, count, bright in _LAMPS[name]
+            for light in Light(direction, color=np.full(3, bright)).spread(radius, count=count)
+        )
         rig = super().__new__(
-            cls,
-            (
-                light
-                for direction, radius, count, bright in _LAMPS[name]
-                for light in Light(np.array(direction) @ axes, name, np.full(3, bright)).spread(
-                    radius, count=count
-                )
-            ),
+            cls, (Light(light.direction @ axes, name, light.color) for light in lights)
         )
         axes.setflags(write=False)
         rig.name, rig.frame = name, axes

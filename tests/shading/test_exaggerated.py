@@ -176,9 +176,7 @@ def test_one_scale_is_detail_and_base(ball, rng):
     cosine = np.einsum("ni,ni->n", fine, local) / np.linalg.norm(local, axis=1)
     expected = 0.5 + 0.25 * (along + np.clip(DEFAULT * cosine, -1, 1))  # two equal weights
     away = np.linalg.norm(local, axis=1) > 0.1
-    np.testing.assert_allclose(
-        paper(space, light, emphasis=0)[away], expected[away], atol=1e-3
-    )
+    np.testing.assert_allclose(paper(space, light, emphasis=0)[away], expected[away], atol=1e-3)
 
 
 def test_a_light_along_a_smoothed_normal_leaves_that_vertex_its_base(ball):
