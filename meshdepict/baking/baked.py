@@ -55,6 +55,11 @@ class Depiction:
         self.look = look
 
     @property
+    def ground(self) -> str:
+        """What pictures lie on unless told otherwise: as the method declares."""
+        return "white" if self.look is None else self.look.declared.ground
+
+    @property
     def comments(self) -> list[str]:
         """The provenance as lines for a file's header."""
         return comment_lines(self.provenance)
@@ -88,7 +93,7 @@ class Depiction:
         *,
         size: tuple[int, int] | str | None = None,
         dpi: float | None = None,
-        background: str = "white",
+        background: str | None = None,
         scale_bar: bool = False,
         unit: str = "",
         pixels_per_unit: float | None = None,

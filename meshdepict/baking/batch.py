@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING
 
 from meshdepict.baking.baked import Baked
 from meshdepict.baking.look import Look
+from meshdepict.baking.provenance import fitted_text
 from meshdepict.baking.refinement import worth_refining
 from meshdepict.baking.surfaces import bake_surface
 from meshdepict.baking.targets import check_target, identities
@@ -287,6 +288,8 @@ def _caption(job: Job, baked: Baked, seconds: float) -> str:
     if rest:
         widths = rest[0] if count != "1" else rest[0].replace("widths", "width").split(" to ")[0]
         parts.append(f"{count} {widths}")
+    if baked.look is not None and (text := fitted_text(baked.look)):
+        parts.append(text)
     if job.picture:
         parts.append(f"picture {job.picture}")
     return ", ".join([*parts, f"{seconds:.1f} s"])

@@ -20,9 +20,10 @@ from meshdepict.color import colormaps2d
 from meshdepict.errors import MeshdepictError, MeshdepictWarning
 from meshdepict.options import check, options_of
 from meshdepict.scales.ladder import FACING, TOLERANCE
-from meshdepict.scene.names import LightsLike, as_view
+from meshdepict.scene.names import Lighting, LightsLike, as_light, as_lighting, as_view
 from meshdepict.scene.upright import upright
 from meshdepict.scene.view import View
+from meshdepict.shading.method import LIGHT
 
 if TYPE_CHECKING:
     import numpy as np
@@ -60,9 +61,10 @@ class Choices:
     method : str or function
         A name of `shading.METHODS`, or a function made by the decorator `meshdepict.method`; the
         attribute `method` is its name, `function` the function.
-    light : str, (3,) array_like, (azimuth, elevation) or Light
-        For some methods also a sequence of these, or an Environment or its file (.hdr).
-        Names and angles refer to the view.
+    light : str, (3,) array_like, (azimuth, elevation) or Light, optional
+        For some methods also "studio", "key-and-fill", a sequence of these, or an Environment or
+        its file (.hdr). Names and angles refer to the view. Unless given, what the method declares:
+        northwest, and lights that show what it is for where one would not.
     view : str or View
         "front", "top", …; fitted to the shape. "auto" takes the one that shows most of it; see
         `shapes.standing`.
@@ -102,10 +104,11 @@ class Choices:
     """
 
     method: str = _choice("exaggerated", "How to shade: meshdepict methods lists what there is.")
-    light: LightsLike = _choice(
-        "northwest",
-        "A name (north, northeast, … northwest, front), azimuth,elevation in degrees, x,y,z, or a "
-        "panorama.hdr; several, where a method takes them, parted by semicolons.",
+    light: LightsLike | None = _choice(
+        None,
+        "A name (north, northeast, … northwest, front), azimuth,elevation in degrees, x,y,z; where "
+        "a method takes several also studio, key-and-fill, a panorama.hdr, or some parted by "
+        "semicolons. [default: what the method asks for, mostly northwest]",
     )
     view: str | View = _choice(
         "front",
@@ -292,12 +295,55 @@ class Choices:
         look = self.posed(shape)
         return as_view(look.view, shape, up=look.axis(shape.kind))
 
+    @property
+    def lit_by(self) -> LightsLike:
+        """The light: as chosen, else as the method declares; one where two results are mapped."""
+        if self.light is not None:
+            return self.light
+        return LIGHT if self.colormap2d is not None else self.declared.light
+
+    def lighting(self, view: View, kind: str) -> Lighting:
+        """Return the lights that names stand for in a view of a kind of shape.
+
+        A `Light`, `Lights` or an Environment; one `Light` where two results are mapped.
+        """
+        if self.colormap2d is not None:
+            return as_light(self.lit_by, view)
+        return as_lighting(self.lit_by, view, up=self.axis(kind))
+
     def shade(self, space: ScaleSpace, light: LightsLike, view: View) -> NDArray[np.float32]:
         """Return what the method makes of a scale space's samples under a light."""
         needed: dict[str, Any] = {"two_sided": True} if self.two_sided else {}
         if needed or "view" in self.declared.needs:
             needed["view"] = view
         return self.function(space, light, **needed, **self.options)
+
+    def settled(self, space: Any) -> Self:
+        """Return these choices with numbers for the options that follow a shape's scale space.
+
+        Parameters
+        ----------
+        space : ScaleSpace or None
+            None of a shape that is never at hand as a whole.
+        """
+        fits = self.declared.fits
+        return self if fits is None else self.replace(**fits(space, self._every_option))
+
+    @property
+    def fitted(self) -> dict[str, Any]:
+        """Options that follow the shape unless they are given, with their values; None: open."""
+        fits, given = self.declared.fits, self._every_option
+        return {} if fits is None else {name: given[name] for name in fits(None, given)}
+
+    @property
+    def following(self) -> tuple[str, ...]:
+        """Names of the options that are still open, and follow the shape."""
+        return tuple(name for name, value in self.fitted.items() if value is None)
+
+    @property
+    def _every_option(self) -> dict[str, Any]:
+        known = options_of(self.function).items()
+        return {name: self.options.get(name, option.default) for name, option in known}
 
     def words(self) -> dict[str, Any]:
         """Return what differs from the defaults, and the options, as keywords; not the method."""

@@ -29,7 +29,7 @@ from meshdepict.voxels.grid_sums import Piece, halo
 if TYPE_CHECKING:
     pass
 
-__all__ = ["bake_out_of_core", "lazy_rgba"]
+__all__ = ["bake_out_of_core", "lazy_rgba", "settled_lazily"]
 
 _BLOCK = 1 << 24  # voxels of a block that is chosen here
 
@@ -87,7 +87,7 @@ def bake_out_of_core(
         spacing=spacing, origin=origin, direction=direction, hounsfield=hounsfield,
     )  # fmt: skip
     look = Choices(method, **chosen).of_kind("volume")
-    shading = voxel_shading(place, look, transfer=look.transfer)
+    shading = settled_lazily(values, voxel_shading(place, look, transfer=look.transfer))
     rgba = lazy_rgba(values, shading, chunks=chunks)
     provenance = shading.provenance(None, math.nan)
     del provenance["shaded"]  # nobody has counted
@@ -101,6 +101,28 @@ def bake_out_of_core(
         else:
             raise MeshdepictError(f"{path}: RGBA goes to a .zarr or .npy, not to {path.suffix!r}")
     return provenance
+
+
+def settled_lazily(values: Any, shading: VoxelShading) -> VoxelShading:
+    """Return a shading with numbers for options that follow the shape: the middle slices are read.
+
+    Parameters
+    ----------
+    values : dask.array.Array
+        (nz, ny, nx).
+    shading : VoxelShading
+        Of the whole volume.
+    """
+    shape: Triple = (values.shape[0], values.shape[1], values.shape[2])
+    widths = np.array([in_voxels(float(width), shading.shape) for width in shading.widths])
+    reach = halo(shape, widths, shading.tolerance)[0] + BESIDE
+
+    def piece_of(begin: int, end: int) -> Piece:
+        first = max(0, begin - reach)
+        read = np.asarray(values[first : end + reach].compute())
+        return Piece(read, (first, 0, 0), shape, shading.shape.range)
+
+    return shading.settled_by(piece_of)
 
 
 def lazy_rgba(values: Any, shading: VoxelShading, *, chunks: Triple | None = None) -> Any:
@@ -123,6 +145,7 @@ def lazy_rgba(values: Any, shading: VoxelShading, *, chunks: Triple | None = Non
     import dask.array as da
 
     shading.refuse_pieces("this volume is shaded block by block: bake a smaller one in memory")
+    shading = settled_lazily(values, shading)
     shape: Triple = (values.shape[0], values.shape[1], values.shape[2])
     widths = np.array([in_voxels(float(width), shading.shape) for width in shading.widths])
     reach = halo(shape, widths, shading.tolerance)

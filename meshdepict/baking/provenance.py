@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from meshdepict.scales.space import ScaleSpace
     from meshdepict.shapes.mesh import Mesh
 
-__all__ = ["comment_lines", "describe", "was_baked"]
+__all__ = ["comment_lines", "describe", "fitted_text", "was_baked"]
 
 
 def describe(look: Choices, space: ScaleSpace, *, light: Lighting) -> dict[str, str]:
@@ -52,6 +52,17 @@ def describe(look: Choices, space: ScaleSpace, *, light: Lighting) -> dict[str, 
         **({"sides": "the one that is seen"} if look.two_sided else {}),
         space.shape.kind: space.shape.identity,
     }
+
+
+def fitted_text(look: Choices) -> str:
+    """Return the options that followed the shape, or could have, in a few words; "" if none."""
+    texts = []
+    for name, value in look.fitted.items():
+        numbers = sorted(value) if isinstance(value, tuple) else [value]
+        ends = dict.fromkeys(f"{n:.3g}" for n in (numbers[0], numbers[-1]) if n is not None)
+        if ends:
+            texts.append(f"{name} {' to '.join(ends)}")
+    return ", ".join(texts)
 
 
 def comment_lines(provenance: Mapping[str, str]) -> list[str]:

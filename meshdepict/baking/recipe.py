@@ -21,6 +21,7 @@ from meshdepict.files.mark import VERSION
 from meshdepict.files.reach import regular
 from meshdepict.options import check, nearest, options_of
 from meshdepict.scene.light import Light
+from meshdepict.scene.rig import Rig
 from meshdepict.scene.view import VIEWS, View
 from meshdepict.shading.registry import find_method
 
@@ -72,6 +73,8 @@ def load_recipe(path: str | os.PathLike[str]) -> dict[str, Any]:
     options = check(function, options, f"{path}: {method}")
     if isinstance(read.get("view"), Mapping):
         read["view"] = _view(path, read["view"])
+    if isinstance(read.get("light"), Mapping):
+        read["light"] = _rig(path, read["light"])
     if isinstance(read.get("light"), list):
         read["light"] = tuple(read["light"])
     return located({**read, **options}, function, path)
@@ -124,8 +127,11 @@ def save_recipe(
     if look.scales is None or declared.scales == 0:
         fields["scales"] = declared.scales
     fields["ratio"] = look.ratio or declared.ratio
+    fields["light"] = look.lit_by
     if isinstance(look.light, Light):
         fields["light"] = look.light.direction.tolist()
+    elif isinstance(look.light, Rig):
+        fields["light"] = look.light.words()
     if isinstance(look.view, View) and look.view.name in VIEWS:
         fields["view"] = look.view.name
     elif isinstance(look.view, View):
@@ -166,6 +172,13 @@ def _view(path: str | os.PathLike[str], fields: Mapping[str, Any]) -> View:
     try:
         return View(**fields)
     except (MeshdepictError, TypeError) as error:
+        raise MeshdepictError(f"{path}: {error}") from None
+
+
+def _rig(path: str | os.PathLike[str], words: Mapping[str, Any]) -> Rig:
+    try:
+        return Rig.of(words)
+    except MeshdepictError as error:
         raise MeshdepictError(f"{path}: {error}") from None
 
 

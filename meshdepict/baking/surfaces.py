@@ -19,7 +19,7 @@ from meshdepict.errors import MeshdepictError
 from meshdepict.scales.ladder import Progress
 from meshdepict.scales.making import scale_space
 from meshdepict.scales.space import ScaleSpace
-from meshdepict.scene.names import Lighting, as_light, as_lighting
+from meshdepict.scene.names import Lighting, as_light
 from meshdepict.shapes.gbuffer import GBuffer
 from meshdepict.shapes.mesh import Mesh
 
@@ -48,11 +48,7 @@ def bake_surface(shape: object, look: Choices, *, progress: Progress | None = No
     own = own_colors(mesh) if look.albedo == "keep" else None
     look = look.posed(mesh)
     eye = look.eye(mesh)
-    lamp = (
-        as_lighting(look.light, eye, up=look.axis(kind))
-        if look.colormap2d is None
-        else as_light(look.light, eye)
-    )
+    lamp = look.lighting(eye, kind)
     if isinstance(shape, ScaleSpace):
         space = shape
         refuse_other_scales(space, chosen)
@@ -61,6 +57,7 @@ def bake_surface(shape: object, look: Choices, *, progress: Progress | None = No
             mesh, scales=scales, width=look.width, ratio=ratio, facing=look.facing,
             tolerance=look.tolerance, progress=progress,
         )  # fmt: skip
+    look = look.settled(space)
     if space is not shape and not look.two_sided:  # viewers turn what they show
         warn_of_backs(space.points, space.normals[0], eye)
     linear = look.declared.linear

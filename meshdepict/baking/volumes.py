@@ -158,6 +158,7 @@ def bake_grid(
             shape, mask, shading.widths, shading.ratio,
             transfer=shading.transfer, tolerance=look.tolerance, memory=memory, progress=progress,
         )  # fmt: skip
+    shading = shading.settled(space)
     intensity = shading.shade(space)
     return BakedVolume(shading, space=space, intensity=intensity, shaded_share=space.shaded_share)
 
@@ -200,6 +201,7 @@ def _by_slabs(
     values = shading.shape.values
     nz, ny, nx = values.shape
     piece = Piece(values, (0, 0, 0), (nz, ny, nx), shading.shape.range)
+    shading = shading.settled_by(lambda begin, end: piece)
     rgba, shaded = np.zeros((nz, ny, nx, 4), np.uint8), 0
     most = memory / sample_bytes(len(shading.widths))
     for begin, end in _groups(counts, most):

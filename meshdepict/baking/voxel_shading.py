@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -12,9 +13,10 @@ from meshdepict import color
 from meshdepict.baking.choices import Choices
 from meshdepict.baking.provenance import describe
 from meshdepict.errors import MeshdepictError
-from meshdepict.scales.grid_scales import GridSpace, piece_space
+from meshdepict.scales.grid_scales import GridSpace, piece_space, typical_slices
 from meshdepict.scales.ladder import check_ladder, ladder
-from meshdepict.scene.names import Lighting, as_lighting
+from meshdepict.scales.space import ScaleSpace
+from meshdepict.scene.names import Lighting
 from meshdepict.scene.view import View
 from meshdepict.shapes.lengths import resolve_width
 from meshdepict.threads import each, spans
@@ -53,6 +55,31 @@ class VoxelShading:
     def linear(self) -> bool:
         """Whether the method's values are linear."""
         return self.look.declared.linear
+
+    def settled(self, space: ScaleSpace) -> VoxelShading:
+        """Return the same with numbers for the options that follow the shape."""
+        return replace(self, look=self.look.settled(space))
+
+    def settled_by(self, piece_of: Callable[[int, int], Piece]) -> VoxelShading:
+        """Return the same as `settled` does, of a volume that is at hand in pieces.
+
+        Parameters
+        ----------
+        piece_of : callable (begin, end) → Piece
+            What normals in some slices along z need.
+        """
+        if not self.look.following:
+            return self
+        nz, ny, nx = self.shape.counts
+
+        def between(begin: int, end: int) -> ScaleSpace:
+            space, _ = self._space(piece_of(begin, end), (begin, 0, 0), (end, ny, nx))
+            if space is not None:
+                return space.between(begin, end)
+            none = np.empty((len(self.widths), 3, 0), np.float32)
+            return ScaleSpace(self.shape, np.empty((0, 3)), self.widths, self.ratio, none)
+
+        return self.settled(typical_slices(between, nz))
 
     def shade(self, space: GridSpace) -> NDArray[np.float32]:
         """Return the method's values for the samples of a space."""
@@ -93,6 +120,18 @@ class VoxelShading:
         low, high : (z, y, x)
             The box.
         """
+        begin, _ = _wider(low, high, BESIDE, self.shape.counts)
+        space, size = self._space(piece, low, high)
+        rgba, count = np.zeros((*size, 4), np.uint8), 0
+        if space is not None:
+            intensity = self.shade(space) if len(space.points) else np.empty(0, np.float32)
+            self.paint(space, intensity, rgba, begin)
+            places = space.samples.indices()[:, ::-1]
+            count = int(((places >= low) & (places < high)).all(axis=1).sum())
+        return rgba[_box(low, high, begin)], count
+
+    def _space(self, piece: Piece, low: Triple, high: Triple) -> tuple[GridSpace | None, Triple]:
+        """Return the samples of a box and `BESIDE` voxels around, None without any; its size."""
         limits = self.shape.counts
         # One voxel further, neighbours compare their normals; two, they may be shown themselves,
         # and three, others make them neighbours of what is shown.
@@ -103,17 +142,14 @@ class VoxelShading:
         if self.transfer is not None:
             shown = grown(self.transfer.opacity(np.asarray(piece.values[wide])) > 0)
         shown = shown[_box(begin, end, wide_begin)]
-        rgba, count = np.zeros((*shown.shape, 4), np.uint8), 0
-        if shown.any():
-            space = piece_space(
-                self.shape, piece, Samples.of_mask(shown, begin), self.widths, self.ratio,
-                transfer=self.transfer, tolerance=self.tolerance,
-            )  # fmt: skip
-            intensity = self.shade(space) if len(space.points) else np.empty(0, np.float32)
-            self.paint(space, intensity, rgba, begin)
-            places = space.samples.indices()[:, ::-1]
-            count = int(((places >= low) & (places < high)).all(axis=1).sum())
-        return rgba[_box(low, high, begin)], count
+        size = (shown.shape[0], shown.shape[1], shown.shape[2])
+        if not shown.any():
+            return None, size
+        space = piece_space(
+            self.shape, piece, Samples.of_mask(shown, begin), self.widths, self.ratio,
+            transfer=self.transfer, tolerance=self.tolerance,
+        )  # fmt: skip
+        return space, size
 
     def refuse_pieces(self, why: str) -> None:
         """Refuse a method that can't be had in pieces."""
@@ -171,7 +207,7 @@ def voxel_shading(
     from meshdepict.color.transfer import for_volume
 
     look = look.posed(shape)
-    up, (scales, ratio) = look.axis(shape.kind), look.ladder
+    scales, ratio = look.ladder
     if widths is None:
         check_ladder(scales, ratio, 0, look.tolerance)
         widths = ladder(scales, ratio, resolve_width(look.width, shape))
@@ -179,7 +215,7 @@ def voxel_shading(
     return VoxelShading(
         shape=shape,
         look=look,
-        light=as_lighting(look.light, eye, up=up),
+        light=look.lighting(eye, shape.kind),
         view=eye,
         widths=widths,
         ratio=float(ratio),

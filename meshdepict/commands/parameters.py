@@ -127,7 +127,8 @@ class FigureWords:
         str | None,
         Parameter(
             group=FIGURE,
-            help="white (unless given), paper (pale: white parts show), transparent or #rrggbb.",
+            help="white, paper (pale: white parts show), transparent or #rrggbb; unless given "
+            "white, and paper for methods that leave much white.",
         ),
     ] = None
     scale_bar: Annotated[

@@ -36,6 +36,7 @@ def methods() -> str:
 
 def method(name: str) -> str:
     """Return what there is to know about one method: its paper, its scales, its options."""
+    from meshdepict.baking.look import Look
     from meshdepict.options import as_text, options_of
     from meshdepict.shading.method import NEEDS, declaration
     from meshdepict.shading.registry import find_method
@@ -48,9 +49,16 @@ def method(name: str) -> str:
     values = "linear light, encoded as sRGB" if declared.linear else "display values, as they are"
     facts = [("paper", declared.source), ("uses", scales), ("values", values)]
     facts += [("needs", f"{need}: {NEEDS[need]}") for need in NEEDS if need in declared.needs]
+    if declared.lights != "none":
+        facts += [("light", f"{declared.light} unless told otherwise")]
+    follows = Look(function).following
+    if follows:
+        facts += [("fitted", f"to the shape unless given: {', '.join(follows)}")]
     options = [("--set", "default", "range", "")]
     for option in options_of(function).values():
         default = "none" if option.default is None else as_text(option.default)
+        if option.name in follows:
+            default = "fitted"
         options.append((option.name, default, str(option.accepts), option.help))
     if len(options) == 1:
         options = [("--set", "no options", "", "")]

@@ -117,7 +117,7 @@ def volume(
             about = _shade_voxels(grid, wanted, progress, output, picture, before, cuts, page)
     written = ", ".join(str(path) for path in filter(None, (output, picture, before, *cuts)))
     seconds = time.perf_counter() - start
-    lamp = vars(look)["light"] or wanted.light
+    lamp = vars(look)["light"] or wanted.lit_by
     say(f"{written}: {method}, light {lamp}, {about}, {seconds:.1f} s")
 
 
@@ -131,6 +131,7 @@ def _shade_surface(
     figure: Figure,
 ) -> str:
     """Bake the isosurface, write what is asked for and say what it was."""
+    from meshdepict.baking.provenance import fitted_text
     from meshdepict.baking.surfaces import bake_surface
     from meshdepict.drawing.picture import save_picture
     from meshdepict.shapes.isosurface import isosurface
@@ -143,7 +144,8 @@ def _shade_surface(
         done.save(output)
     if picture is not None:
         save_picture(done, picture, figure)
-    return f"{len(surface.faces):,} triangles at {value:g} {grid.unit}"
+    tones = [fitted_text(done.look)] if done.look is not None and done.look.fitted else []
+    return ", ".join([*tones, f"{len(surface.faces):,} triangles at {value:g} {grid.unit}"])
 
 
 def _shade_voxels(
@@ -157,6 +159,7 @@ def _shade_voxels(
     figure: Figure,
 ) -> str:
     """Bake the voxels, write what is asked for and say how many they were."""
+    from meshdepict.baking.provenance import fitted_text
     from meshdepict.baking.volumes import bake_grid
     from meshdepict.drawing.picture import write_picture
     from meshdepict.drawing.slices import draw_slice
@@ -171,7 +174,8 @@ def _shade_voxels(
         save_volume_picture(baked, before, figure, plain=True)
     for path, (axis, share) in cuts.items():
         write_picture(draw_slice(baked, axis, share), path, baked.provenance)
-    return f"{baked.shaded_share:.1%} of {grid.n_samples:,} voxels shaded"
+    tones = [fitted_text(baked.look)] if baked.look is not None and baked.look.fitted else []
+    return ", ".join([*tones, f"{baked.shaded_share:.1%} of {grid.n_samples:,} voxels shaded"])
 
 
 def _check_targets(

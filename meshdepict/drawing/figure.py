@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -36,8 +36,9 @@ class Figure:
         given; with `pixels_per_unit`, whatever the object needs.
     dpi : float, optional
         Dots per inch on paper, 300 where a size in cm, mm or in needs them.
-    background : str
-        "white", "paper" (pale, so that burnt-out whites show), "transparent" or "#rrggbb".
+    background : str, optional
+        "white", "paper" (pale, so that burnt-out whites show), "transparent" or "#rrggbb"; what
+        the depicted method declares unless given, mostly white.
     scale_bar : bool
     unit : str
         What the file's units are, for the scale bar's label; unless given, as the file says.
@@ -53,7 +54,7 @@ class Figure:
 
     size: Any = None
     dpi: float | None = None
-    background: str = "white"
+    background: str | None = None
     scale_bar: bool = False
     unit: str = ""
     pixels_per_unit: float | None = None
@@ -67,12 +68,16 @@ class Figure:
                     f"{name}={value!r} is not a number of {what} above 0 and below 1e9"
                 )
         object.__setattr__(self, "unit", _unit(self.unit))
-        object.__setattr__(self, "_ground", _ground(self.background))
+        object.__setattr__(self, "_ground", _ground(self.background or "white"))
         size, dpi = _pixels(self.size, self.dpi)
         if size is not None:
             check_pixels(size)
         object.__setattr__(self, "_pixels", size)
         object.__setattr__(self, "dpi", dpi)
+
+    def on(self, ground: str) -> Figure:
+        """Return this figure on a ground, unless it has one."""
+        return self if self.background is not None else replace(self, background=ground)
 
     @property
     def pixels(self) -> tuple[int, int] | None:

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from meshdepict.errors import MeshdepictError
 from meshdepict.scene.light import Light, Lights
 from meshdepict.scene.names import Lighting
+from meshdepict.scene.rig import Rig
 from meshdepict.scene.view import View
 
 __all__ = ["circling", "rotation", "turned", "turned_light"]
@@ -46,6 +47,8 @@ def turned_light(light: Lighting, view: View, angle: float) -> Light | Lights:
     MeshdepictError
         For an environment.
     """
+    if isinstance(light, Rig):
+        return light.turned(rotation(view.up, angle))
     if isinstance(light, Lights):
         return Lights(_gone_round(one, view, angle) for one in light)
     if not isinstance(light, Light):
@@ -60,16 +63,18 @@ def _gone_round(light: Light, view: View, angle: float) -> Light:
     return Light(rotation(view.up, angle) @ light.direction, light.name, light.color)
 
 
-def circling(light: Lighting, view: View, angle: float) -> Light:
+def circling(light: Lighting, view: View, angle: float) -> Light | Rig:
     """Return a light that circled round the line of sight: clockwise by an angle in degrees.
 
-    Its elevation from the image plane stays.
+    Its elevation from the image plane stays. A `Rig` circles as a whole.
 
     Raises
     ------
     MeshdepictError
         For several lights, and for one along the line of sight, whose circle is a point.
     """
+    if isinstance(light, Rig):
+        return light.turned(rotation(view.towards_eye, -angle))
     if not isinstance(light, Light):
         raise MeshdepictError("one light circles, not several: give one, such as northwest")
     axis = view.towards_eye

@@ -77,12 +77,13 @@ def save_movie(
     framing = frame(view, session.shape, figure, turning=turn == "object")
     try:
         first = session.baked()
+        page = figure.on(first.ground)
         lines = [*first.comments, f"meshdepict turn: {turn} in {count} frames"]
         with canvas(first, framing.drawn, samples=_SAMPLES) as drawing:
 
             def draw(index: int) -> Any:
                 eye = moves(session, light, framing, light_fixed, 360 * index / count)
-                return finished(drawing.draw(eye, session.colors), framing, figure)
+                return finished(drawing.draw(eye, session.colors), framing, page)
 
             def frames() -> Iterator[Any]:
                 for index in range(count):

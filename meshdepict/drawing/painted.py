@@ -37,6 +37,10 @@ class Depicted(Protocol):
         """What pictures say about how they came about."""
 
     @property
+    def ground(self) -> str:
+        """What pictures lie on unless told otherwise."""
+
+    @property
     def comments(self) -> list[str]:
         """The same as lines."""
 

@@ -69,7 +69,7 @@ def save_picture(
     MeshdepictError
         As `check_picture` and `frame`, and where the file can't be written.
     """
-    path, figure = Path(path), figure or Figure(**layout)
+    path, figure = Path(path), (figure or Figure(**layout)).on(baked.ground)
     check_picture(path)
     framing = frame(baked.view, baked.shape, figure)
     with canvas(baked, framing.drawn) as drawing:
@@ -77,7 +77,7 @@ def save_picture(
     return write_picture(image, path, baked.provenance, figure.dpi)
 
 
-def save_image(baked: Painted, path: str | Path, *, background: str = "white") -> Path:
+def save_image(baked: Painted, path: str | Path, *, background: str | None = None) -> Path:
     """Write the pixels of a baked image as a PNG, just as they are.
 
     Raises
@@ -88,7 +88,7 @@ def save_image(baked: Painted, path: str | Path, *, background: str = "white") -
     from PIL import Image
 
     check_picture(path)
-    ground = Figure(background=background).ground
+    ground = Figure(background=background).on(baked.ground).ground
     covered = np.column_stack((baked.colors, np.full(len(baked.colors), 255, np.uint8)))
     assert isinstance(baked.shape, GBuffer)
     pixels = on_ground(baked.shape.image(covered), ground)

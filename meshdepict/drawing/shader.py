@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 __all__ = ["MOST_LIGHTS", "SURROUNDINGS", "Uniforms", "assemble", "caught_errors", "set_uniforms"]
 
-MOST_LIGHTS = 8
+MOST_LIGHTS = 64
 
 Uniforms = dict[str, Any]  # float, int, tuple: a vector, list: numbers, (k, 4, 4) array: matrices
 

@@ -68,7 +68,7 @@ def draw_volume(
     MeshdepictError
         As `frame`, and for a plain picture of a bake without a transfer function.
     """
-    figure = figure or Figure()
+    figure = (figure or Figure()).on(baked.ground)
     framing = frame(baked.view, baked.shape, figure)
     if plain:
         transfer = baked.transfer

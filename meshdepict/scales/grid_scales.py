@@ -38,12 +38,15 @@ __all__ = [
     "piece_space",
     "sample_bytes",
     "space_of_mask",
+    "typical_slices",
 ]
 
 MEMORY = 2e9
 """Bytes that the normals of a grid may take unless more is allowed."""
 
 _PART = 1 << 20  # points to be placed at a time
+
+_MIDDLE, _ENOUGH = 16, 8_000  # slices at least and samples that are enough to judge by
 
 _MEAN = 0.1  # tolerance of averages: Gaussians cut off at 1e-4 of their height
 
@@ -127,6 +130,20 @@ class GridSpace(ScaleSpace):
         opacity = _opacity(self.transfer, self.shape, self._piece, samples, gradient)
         return np.maximum(quantise(opacity), opacity > 0)
 
+    def between(self, begin: int, end: int) -> ScaleSpace:
+        """Return the samples of some slices along z."""
+        slices = self.samples.indices()[:, 2]
+        here = (slices >= begin) & (slices < end)
+        return ScaleSpace(
+            self.shape, self.points[here], self.widths, self.ratio,
+            np.ascontiguousarray(self.planes[:, :, here]),
+            facing=self.facing, tolerance=self.tolerance,
+        )  # fmt: skip
+
+    def typical(self) -> ScaleSpace:
+        """Return the samples of the middle slices, as many of them as have enough."""
+        return typical_slices(self.between, self.shape.counts[0])
+
     # --- what grids do in their own way -----------------------------------------------------
 
     def mean(self, values: NDArray[Any], width: float) -> NDArray[np.float64]:
@@ -157,6 +174,25 @@ class GridSpace(ScaleSpace):
         from meshdepict.curvature.grid import grid_neighbour_cosines
 
         return grid_neighbour_cosines(self.samples, self.planes[scale])
+
+
+def typical_slices(between: Callable[[int, int], ScaleSpace], count: int) -> ScaleSpace:
+    """Return the samples of the middle slices, as many slices as hold enough samples.
+
+    Parameters
+    ----------
+    between : callable (begin, end) → ScaleSpace
+        The samples of some slices.
+    count : int
+        Slices that there are.
+    """
+    thick = _MIDDLE
+    while True:
+        begin = max(0, (count - thick) // 2)
+        found = between(begin, min(begin + thick, count))
+        if thick >= count or len(found.points) >= _ENOUGH:
+            return found
+        thick *= 2
 
 
 def grid_space(

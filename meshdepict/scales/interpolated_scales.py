@@ -60,6 +60,10 @@ class InterpolatedSpace(ScaleSpace):
             facing=source.facing, tolerance=source.tolerance,
         )  # fmt: skip
 
+    def typical(self) -> ScaleSpace:
+        """Return the samples of the whole."""
+        return self.source.typical()
+
     @property
     def surface(self) -> Mesh:
         """The mesh that the samples lie on."""

@@ -50,6 +50,10 @@ class SeenSide(ScaleSpace):
             facing=source.facing, tolerance=source.tolerance,
         )  # fmt: skip
 
+    def typical(self) -> ScaleSpace:
+        """Return the samples of the whole."""
+        return self.source.typical()
+
     @property
     def unit_points(self) -> Floats:
         """As the source has them."""

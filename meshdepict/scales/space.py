@@ -155,6 +155,13 @@ class ScaleSpace:
         """Root mean square error of the occlusion computed so far, by the number of rays."""
         return {rays: openness.error for rays, openness in self._openness.items()}
 
+    def typical(self) -> ScaleSpace:
+        """Return samples from which numbers that follow the shape are found: all, mostly.
+
+        Of a volume a part that is the same whether it is shaded at once or in pieces.
+        """
+        return self
+
     # --- what depends on the kind of shape --------------------------------------------------
 
     @property

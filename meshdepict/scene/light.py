@@ -80,8 +80,6 @@ class Light:
 class Lights(tuple[Light, ...]):
     """Several lights, in words."""
 
-    __slots__ = ()
-
     def __str__(self) -> str:
         """Return the lights, separated by semicolons."""
         return "; ".join(map(str, self))

@@ -13,6 +13,7 @@ from meshdepict.errors import MeshdepictError
 from meshdepict.options import nearest
 from meshdepict.scene.environment import Environment
 from meshdepict.scene.light import Light, Lights
+from meshdepict.scene.rig import RIGS, Rig
 from meshdepict.scene.shape import Shape
 from meshdepict.scene.vectors import Vector, numbers_of
 from meshdepict.scene.view import View
@@ -61,10 +62,12 @@ def as_light(light: LightsLike, view: View | None = None) -> Light:
     if isinstance(light, str):
         if light == "front":
             return Light(frame[2], light)
+        if light in RIGS:
+            raise MeshdepictError(f"one light is needed here, not several ({light})")
         if light not in _COMPASS:
             raise MeshdepictError(
-                f"no light is called {light!r}{nearest(light, LIGHTS)} (there are "
-                f"{', '.join(LIGHTS)}; or give azimuth,elevation in degrees or x,y,z)"
+                f"no light is called {light!r}{nearest(light, (*LIGHTS, *RIGS))} (there are "
+                f"{', '.join((*LIGHTS, *RIGS))}; or give azimuth,elevation in degrees or x,y,z)"
             )
         return Light(_from_angles(_COMPASS[light], _COMPASS_ELEVATION) @ frame, light)
     if isinstance(light, (Environment, Lights)):
@@ -117,6 +120,8 @@ def as_lights(light: LightsLike, view: View | None = None, *, count: int = 54) -
     """
     if isinstance(light, Environment):
         return list(light.lights(count))
+    if isinstance(light, str) and light in RIGS:
+        return list(Rig(light, np.eye(3) if view is None else view.frame))
     if not is_several(light):
         return [as_light(light, view)]
     lights = [one for item in light for one in as_lights(item, view, count=count)]
@@ -128,12 +133,15 @@ def as_lights(light: LightsLike, view: View | None = None, *, count: int = 54) -
 def as_lighting(light: LightsLike, view: View | None = None, *, up: str = "y") -> Lighting:
     """Return what a bake is lit by: a `Light`, `Lights`, or an Environment as it is.
 
-    A text that ends in ".hdr" is an Environment's file, whose up is that of the shape.
+    "studio" and "key-and-fill" are `Rig`s. A text that ends in ".hdr" is an Environment's file,
+    whose up is that of the shape.
     """
     if isinstance(light, str) and light.lower().endswith(".hdr"):
         return Environment.from_file(light, up=up)
-    if isinstance(light, Environment):
+    if isinstance(light, (Environment, Rig)):
         return light
+    if isinstance(light, str) and light in RIGS:
+        return Rig(light, np.eye(3) if view is None else view.frame)
     return Lights(as_lights(light, view)) if is_several(light) else as_light(light, view)
 
 

@@ -57,7 +57,7 @@ def accessible_radii(points: Floats, normals: Floats, cap: float) -> Floats:
     return radii
 
 
-@method(local=False, lights="none", source="Accessibility (Miller 1994)")
+@method(local=False, lights="none", ground="paper", source="Accessibility (Miller 1994)")
 def accessibility(
     space: ScaleSpace,
     light: object,

@@ -2,22 +2,28 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from typing import Annotated, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from meshdepict.errors import MeshdepictError
 from meshdepict.options import Range
 from meshdepict.scales.space import ScaleSpace
 from meshdepict.scene.names import LightLike, as_light
 from meshdepict.shading.attention import remoteness
+from meshdepict.shading.fitted_tones import fitted_tones
 from meshdepict.shading.method import Exposure, exposed, method, require_smoothing
 
-__all__ = ["band_weights", "exaggerated", "local_light", "soft_toon"]
+__all__ = ["band_weights", "exaggerated", "local_light", "per_band", "settle", "soft_toon"]
 
 # Where the light stands along the smoothed normal it has no direction in the tangent plane: there
 # the projected light is l / √(‖l‖² + ε²) instead of l / ‖l‖, which fades to zero continuously.
 SINGULAR_LIGHT = 1e-3
+
+_EMPHASIS = -0.5
+_ANYWHERE = 15.0  # an exaggeration that does for scans, chosen by eye, where none can be fitted
 
 
 def soft_toon(cosine: ArrayLike, exaggeration: float) -> NDArray[Any]:
@@ -42,7 +48,12 @@ def local_light(light: ArrayLike, normals: ArrayLike) -> NDArray[Any]:
 
 
 def band_weights(
-    widths: NDArray[np.float64], ratio: float, *, emphasis: float, contrast: float
+    widths: NDArray[np.float64],
+    ratio: float,
+    *,
+    emphasis: float,
+    contrast: float,
+    base: float = 1.0,
 ) -> NDArray[np.float64]:
     """Return k_i ∝ σ_i^emphasis for i = 0 … b, their sum the contrast (§3).
 
@@ -50,17 +61,63 @@ def band_weights(
     ----------
     widths : (b + 1,) array
         σ_0 … σ_b; σ_0 is taken as σ_1 / ratio.
+    base : float
+        Multiplies k_b before the sum is made the contrast; 1 is the paper.
     """
     if len(widths) == 1:
         return np.array([contrast])
     # Relative to the finest, so that neither tiny nor huge units overflow a power.
     relative = np.concatenate(([1 / ratio], widths[1:] / widths[1]))
     weights = relative**emphasis
-    return contrast * weights / weights.sum()
+    weights[-1] *= base
+    return contrast * weights / (weights.sum() or 1.0)
+
+
+def settle(space: ScaleSpace | None, options: Mapping[str, Any]) -> dict[str, Any]:
+    """Return exaggeration, base and contrast: as given, else as fit the shape, or as in the paper.
+
+    Parameters
+    ----------
+    space : ScaleSpace or None
+        None of a shape that is never at hand as a whole: numbers that fit most then.
+    options : mapping
+        Of `exaggerated`. Without an exaggeration, what is None follows the shape; with one, base
+        and contrast are the paper's.
+    """
+    names = ("exaggeration", "base", "contrast")
+    given = {name: options.get(name) for name in names}
+    if all(value is not None for value in given.values()):
+        return given
+    usual: tuple[Any, ...] = (_ANYWHERE, 1.0, 1.0)
+    if given["exaggeration"] is None and space is not None and len(space.widths) > 1:
+        usual = fitted_tones(space, emphasis=options.get("emphasis", _EMPHASIS))
+    return {
+        name: fit if given[name] is None else given[name]
+        for name, fit in zip(names, usual, strict=True)
+    }
+
+
+def per_band(space: ScaleSpace, exaggeration: float | Sequence[float]) -> NDArray[np.float64]:
+    """Return one exaggeration for each band, finest first.
+
+    Raises
+    ------
+    MeshdepictError
+        For another number of them.
+    """
+    bands = len(space.widths) - 1
+    values = np.asarray(exaggeration, float)
+    if values.ndim and len(values) != bands:
+        raise MeshdepictError(
+            f"exaggerated: exaggeration has {len(values)} values for {bands} scales; give one for "
+            "all, or one for each, finest first"
+        )
+    return np.broadcast_to(values, bands)
 
 
 @method(
     scales=9,
+    fits=settle,
     compared={"exaggeration": 40.0},  # within the 25 … 50 of the paper
     source="Exaggerated Shading (Rusinkiewicz et al. 2006), eqs. 3–5",
 )
@@ -69,13 +126,25 @@ def exaggerated(
     light: LightLike,
     *,
     exaggeration: Annotated[
-        float, Range(0, 1e30, help="steepness of the soft toon at every scale", soft=(1, 60))
-    ] = 15.0,
+        float | tuple[float, ...] | None,
+        Range(
+            0,
+            1e30,
+            soft=(1, 60),
+            help="steepness of the soft toon, one for all scales or finest,…,coarsest",
+        ),
+    ] = None,
     emphasis: Annotated[
         float,
         Range(-4, 4, help="power of the width: −1 fine detail, 0 all scales alike", soft=(-1, 0)),
-    ] = -0.5,
-    contrast: Annotated[float, Range(0, 1e6, help="sum of the scales' weights", soft=(0, 2))] = 1.0,
+    ] = _EMPHASIS,
+    base: Annotated[
+        float | None,
+        Range(0, 1e6, help="times the paper's weight of the broad tone", soft=(0, 40)),
+    ] = None,
+    contrast: Annotated[
+        float | None, Range(0, 1e6, help="sum of the scales' weights", soft=(0, 2))
+    ] = None,
     principal_strength: Annotated[
         float,
         Range(0, 1e6, help="how far light turns to the direction that bends most", soft=(0, 20)),
@@ -101,15 +170,19 @@ def exaggerated(
         With at least one scale.
     light : str, (3,) array_like, (azimuth, elevation) or Light
         The global light, towards it.
-    exaggeration : float
-        a of eq. 3. The paper's figures use 25 to 50. The default, 15, was chosen on scans (bunny,
-        armadillo, Lucy, a stone flake) by eye: at 40 fur, skin and scanner noise turn black and
-        white and break up the large forms, at 5 the ripples of the flake are lost; between 10,
-        where the armadillo and Lucy look best, and 20, which the flake wants, lies 15.
+    exaggeration : float or sequence of float, optional
+        a of eq. 3, one for all scales or one each, finest first. The paper's figures use 25 to 50.
+        Unless given, exaggeration, base and contrast follow the shape, whatever the light and the
+        view; see `fitted_tones`: each scale saturates 30 % of the samples (40 at most), so that
+        smooth finds are not grey and fur and scanner noise not black and white. With one given,
+        base and contrast are 1, the paper's.
     emphasis : float
         p in k_i ∝ σ_i^p.
-    contrast : float
-        Σ k_i.
+    base : float, optional
+        Multiplies k_b before the weights' sum is made the contrast. Unless given, as much as makes
+        the result follow half-Lambert: the paper's 1 leaves the lit side of heads dark.
+    contrast : float, optional
+        Σ k_i. Unless given, what takes a hundredth of the samples to black or white, 1 to 2.
     principal_strength : float
         Of eq. 9, s = principal_strength·σ_i²: sharpens the light's turn at ridges and valleys. 0
         computes no curvature.
@@ -122,20 +195,28 @@ def exaggerated(
     Raises
     ------
     MeshdepictError
-        If the scale space has no smoothed scale.
+        If the scale space has no smoothed scale, and for another number of exaggerations.
     """
     from meshdepict.shading.exaggerated_kernel import combine_bands
 
     require_smoothing(space, "exaggerated shading", scales=9)
     direction = as_light(light).direction
-    weights = band_weights(space.widths, space.ratio, emphasis=emphasis, contrast=contrast)
+    given = {
+        "exaggeration": exaggeration, "base": base, "contrast": contrast, "emphasis": emphasis,
+    }  # fmt: skip
+    tones = settle(space, given)
+    weights = band_weights(
+        space.widths, space.ratio,
+        emphasis=emphasis, contrast=tones["contrast"], base=tones["base"],
+    )  # fmt: skip
+    steep = per_band(space, tones["exaggeration"])
     far = None if focus is None else remoteness(space, focus, radius)
     if principal_strength:
         from meshdepict.shading.principal_light import combine_bent_bands
 
         sums = combine_bent_bands(
-            space, direction, weights, exaggeration, SINGULAR_LIGHT, principal_strength, far
+            space, direction, weights, steep, SINGULAR_LIGHT, principal_strength, far
         )
     else:
-        sums = combine_bands(space, direction, weights, exaggeration, SINGULAR_LIGHT, far)
+        sums = combine_bands(space, direction, weights, steep, SINGULAR_LIGHT, far)
     return exposed((1 + sums) / 2, exposure)

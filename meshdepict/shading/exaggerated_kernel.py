@@ -19,11 +19,11 @@ def combine_bands(
     space: ScaleSpace,
     light: NDArray[np.float64],
     weights: NDArray[np.float64],
-    exaggeration: float,
+    exaggeration: NDArray[np.float64],
     singular: float,
     remoteness: NDArray[np.float32] | None = None,
 ) -> NDArray[np.float32]:
-    """Return k_b n_b·l + Σ_i k_i clamp(a n_i·l̂_{i+1}), not yet clipped.
+    """Return k_b n_b·l + Σ_i k_i clamp(a_i n_i·l̂_{i+1}), not yet clipped.
 
     Where a `remoteness` (n,) is given, each k_i fades by exp(−remoteness / 2^i).
 
@@ -34,7 +34,7 @@ def combine_bands(
     sums = np.empty(count, np.float32)
     arguments = (
         space.planes, light.astype(np.float32), weights.astype(np.float32),
-        np.float32(exaggeration), np.float32(singular**2),
+        exaggeration.astype(np.float32), np.float32(singular**2),
         np.empty(0, np.float32) if remoteness is None else remoteness, sums,
     )  # fmt: skip
     pieces = thread_count() if count > 20_000 else 1
@@ -53,7 +53,7 @@ def _combine(planes, light, weights, exaggeration, singular, remoteness, sums, b
         count = min(_BLOCK, end - start)
         total[:] = np.float32(0)
         for scale in range(last):
-            k = weights[scale]
+            k, steep = weights[scale], exaggeration[scale]
             fine, coarse = planes[scale], planes[scale + 1]
             fx, fy, fz = fine[0, start:], fine[1, start:], fine[2, start:]
             nx, ny, nz = coarse[0, start:], coarse[1, start:], coarse[2, start:]
@@ -64,7 +64,7 @@ def _combine(planes, light, weights, exaggeration, singular, remoteness, sums, b
                 cosine = nx[i] * lx + ny[i] * ly + nz[i] * lz
                 px, py, pz = lx - nx[i] * cosine, ly - ny[i] * cosine, lz - nz[i] * cosine
                 length = math.sqrt(px * px + py * py + pz * pz + singular)
-                detail = exaggeration * (fx[i] * px + fy[i] * py + fz[i] * pz) / length
+                detail = steep * (fx[i] * px + fy[i] * py + fz[i] * pz) / length
                 total[i] += k * share[i] * max(-one, min(one, detail))
                 along[i] = cosine
         for i in range(count):

@@ -130,6 +130,7 @@ def _frame(
     ratio=1.7,
     linear=True,
     lights="several",
+    light="key-and-fill",
     compared={},
     source="Local Light Alignment (Mestres et al. 2021)",
 )
@@ -139,7 +140,7 @@ def light_alignment(
     *,
     view: View | str = "front",
     material: AlignedMaterial = "lambert",
-    strength: Strength = 0.4,
+    strength: Strength = 0.3,
     specular_strength: Strength = 0.3,
     sharpness: Annotated[
         float, Range(0, 20, help="γ: how narrow transitions from bright to dark are", soft=(0, 8))

@@ -53,6 +53,7 @@ Single = NDArray[np.float32]
     linear=True,
     lights="several",
     needs=("curvature",),
+    light="studio",
     compared={"magnitude": 16.62},  # Local Light Alignment, figs. 13 and 14: on a matt material
     source="Light Warping (Vergne et al., SIGGRAPH 2009)",
 )
@@ -67,8 +68,8 @@ def light_warping(
     gain: Gain = None,
     foreshortening: Foreshortening = 1.0,
     magnitude: Annotated[
-        float, Range(-1e30, 1e30, help="α: how far light is warped", soft=(-8, 8))
-    ] = 6.0,
+        float, Range(-1e30, 1e30, help="α: how far light is warped", soft=(-24, 24))
+    ] = 14.0,
     contrast: Annotated[
         float, Range(-1, 1, help="γ of eq. 3: below 0 brightens convexities")
     ] = 0.0,
@@ -111,9 +112,10 @@ def light_warping(
     foreshortening : float
         Of curvature="view": f in the slope (−n_x, −n_y)/n_z^f, 1 in the paper.
     magnitude : float
-        α; 0 is plain rendering, below 0 stretches instead. The default, 6, was chosen by eye on
-        the bunny, the armadillo and Lucy: fur and folds stand out and the light still tells where
-        it comes from. With the default gain it is 15 per pixel (LLA compares with 16.62).
+        α; 0 is plain rendering, below 0 stretches instead. The default, 14, was chosen by eye under
+        the studio on nine scans: fur, folds and scales stand out (local contrast 1.2 to 1.5 times
+        that of plain rendering), and the light still tells where it comes from. With the default
+        gain it is 35 per pixel (LLA compares with 16.62).
     contrast : float
         Exponent of λ_u λ_v, which multiplies the result (eq. 3).
     quadrature : {"lights", "directions"}

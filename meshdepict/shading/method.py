@@ -15,6 +15,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from meshdepict.errors import MeshdepictError
 from meshdepict.options import Range, check, nearest, options_of
+from meshdepict.scene.names import LIGHTS
+from meshdepict.scene.rig import RIGS
 from meshdepict.shading.docstring import completed
 
 if TYPE_CHECKING:
@@ -27,6 +29,7 @@ __all__ = [
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 Lights = Literal["one", "several", "none"]
+Fits = Callable[[Any, Mapping[str, Any]], Mapping[str, Any]]
 
 NEEDS = {
     "view": "where the eye is",
@@ -35,6 +38,9 @@ NEEDS = {
     "surface": "triangles for rays to meet: no image, no volume",
 }
 """What a method may need beside normals and a light, with its default options."""
+
+LIGHT = "northwest"
+"""What lights a bake unless the method or the person says otherwise."""
 
 Exposure = Annotated[float, Range(0, 1e6, help="factor on the result before clipping", soft=(0, 4))]
 
@@ -63,6 +69,14 @@ class Declaration:
     compared : mapping, optional
         Options with which `compare` shows it unless told otherwise, as papers compare it; None
         where it is compared only when asked for.
+    fits : callable (space, options) → options, optional
+        What options become that follow the shape where they are None, of a whole scale space; of
+        None, for shapes that are never whole at hand, what fits most. Bakes, recipes and viewers
+        ask once and keep the numbers.
+    light : str
+        Name of the light that shows what it is for, under which it is baked unless told otherwise.
+    ground : str
+        Background of its pictures unless told otherwise: "paper" where much of it is white.
     """
 
     scales: int
@@ -73,6 +87,9 @@ class Declaration:
     lights: Lights = "one"
     needs: frozenset[str] = frozenset()
     compared: Mapping[str, Any] | None = None
+    light: str = LIGHT
+    fits: Fits | None = None
+    ground: str = "white"
 
 
 def method(
@@ -84,6 +101,9 @@ def method(
     lights: Lights = "one",
     needs: Iterable[str] = (),
     compared: Mapping[str, Any] | None = None,
+    light: str = LIGHT,
+    fits: Fits | None = None,
+    ground: str = "white",
     source: str,
 ) -> Callable[[Function], Function]:
     """Declare a shading function: its scales, the kind of its values, its needs and its paper.
@@ -93,15 +113,22 @@ def method(
 
     Parameters
     ----------
-    scales, ratio, linear, local, lights, needs, compared, source
+    scales, ratio, linear, local, lights, needs, compared, light, fits, ground, source
         See `Declaration`.
 
     Raises
     ------
     MeshdepictError
-        For a need that is unknown, and a function that does not take a space, a light, and its
-        options by keyword.
+        For a need or a light that is unknown, and a function that does not take a space, a light,
+        and its options by keyword.
     """
+    if light not in LIGHTS and (lights == "one" or light not in RIGS):
+        several = () if lights == "one" else RIGS
+        known = (*LIGHTS, *several)
+        raise MeshdepictError(
+            f"a method can't be shown under {light!r}{nearest(light, known)} (there are "
+            f"{', '.join(known)})"
+        )
     wanted = frozenset(needs)
     for word in wanted - set(NEEDS):
         raise MeshdepictError(
@@ -131,7 +158,8 @@ def method(
 
         shade.declaration = Declaration(  # type: ignore[attr-defined]
             scales, ratio, linear, source, local, lights, wanted | seen,
-            None if compared is None else MappingProxyType(dict(compared)),
+            None if compared is None else MappingProxyType(dict(compared)), light, fits,
+            ground,
         )  # fmt: skip
         shade.__doc__ = completed(function, lights=lights, linear=linear)
         return cast("Function", shade)

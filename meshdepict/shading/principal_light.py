@@ -53,7 +53,7 @@ def combine_bent_bands(
     space: ScaleSpace,
     light: NDArray[np.float64],
     weights: NDArray[np.float64],
-    exaggeration: float,
+    exaggeration: NDArray[np.float64],
     singular: float,
     strength: float,
     remoteness: NDArray[np.float32] | None = None,
@@ -77,7 +77,7 @@ def combine_bent_bands(
             share *= np.exp(-remoteness / np.float32(2**scale))
         arguments = (
             space.planes[scale], space.planes[scale + 1], found.d1, bend, share, single,
-            np.float32(exaggeration), np.float32(singular**2), sums,
+            np.float32(exaggeration[scale]), np.float32(singular**2), sums,
         )  # fmt: skip
         each(lambda a, b, given=arguments: _add_band(*given, a, b), pieces)
     return sums

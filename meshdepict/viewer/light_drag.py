@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from meshdepict.errors import MeshdepictError
 from meshdepict.scene.light import Light, Lights
 from meshdepict.scene.names import Lighting
+from meshdepict.scene.rig import Rig
 from meshdepict.scene.vectors import numbers_of
 from meshdepict.scene.view import View
 
@@ -36,7 +37,7 @@ def dragged(lighting: Lighting, view: View, drag: ArrayLike) -> Lighting:
     Returns
     -------
     Light or Lights
-        Without a name where it was turned at all.
+        Without a name where it was turned at all, but for a `Rig`.
 
     Raises
     ------
@@ -73,13 +74,17 @@ def angles(light: Light, view: View) -> tuple[float, float]:
 
 
 def lights_of(lighting: Lighting) -> tuple[Light, ...]:
-    """Return the lights one by one; none of an environment."""
+    """Return the lights one by one, of a `Rig` its lamps; none of an environment."""
+    if isinstance(lighting, Rig):
+        return lighting.lamps
     if isinstance(lighting, Light):
         return (lighting,)
     return tuple(lighting) if isinstance(lighting, Lights) else ()
 
 
 def _turned(lighting: Lighting, turn: NDArray[np.float64]) -> Light | Lights:
+    if isinstance(lighting, Rig):
+        return lighting.turned(turn)
     lights = [Light(turn @ light.direction, color=light.color) for light in lights_of(lighting)]
     if not lights:
         raise MeshdepictError("a panorama can't be turned by hand: shade by a light instead")

@@ -21,6 +21,7 @@ from meshdepict.options import check, options_of
 from meshdepict.scales.making import scale_space
 from meshdepict.scales.space import ScaleSpace
 from meshdepict.scene.names import LightsLike, as_lighting, as_view
+from meshdepict.scene.rig import Rig
 from meshdepict.scene.view import View
 from meshdepict.shading.registry import find_method
 from meshdepict.viewer.light_drag import carried, dragged
@@ -80,7 +81,8 @@ class Session:
         self._asked = look = look.posed(self.shape)
         self.up = look.axis(self.shape.kind)
         self.view = look.eye(self.shape)
-        self.light = as_lighting(look.light, self.view, up=self.up)
+        self._lit_from = self.view if look.light is None else None
+        self.light = look.lighting(self.view, self.shape.kind)
         self.progress = progress
         self._spaces: dict[tuple[int, float], ScaleSpace] = {}
         self._options: dict[str, dict[str, Any]] = {}
@@ -94,10 +96,15 @@ class Session:
     # --- what can be changed ----------------------------------------------------------------
 
     def use(self, method: str | Callable[..., Any]) -> None:
-        """Shade by another method; each keeps its own options."""
+        """Shade by another method; each keeps its own options, and its light until one is given."""
         self.function = find_method(method)
         self.method = self.function.__name__
         self._options.setdefault(self.method, {})
+        if self._lit_from is not None:
+            asked = self._asked.replace(method=self.function, light=None)
+            self.light = asked.lighting(self._lit_from, self.shape.kind)
+        elif isinstance(self.light, Rig) and self.declared.lights == "one":
+            self.light = self.light.lamps[0]
         self._baked = None
 
     def set(self, **options: Any) -> None:
@@ -112,7 +119,7 @@ class Session:
 
     def shine(self, light: LightsLike) -> None:
         """Change the light: anything that `bake` takes."""
-        self.light = as_lighting(light, self.view, up=self.up)
+        self.light, self._lit_from = as_lighting(light, self.view, up=self.up), None
         self._baked = None
 
     def drag_light(self, drag: ArrayLike) -> None:
@@ -123,7 +130,7 @@ class Session:
         MeshdepictError
             Where the light is a panorama.
         """
-        self.light = dragged(self.light, self.view, drag)
+        self.light, self._lit_from = dragged(self.light, self.view, drag), None
         self._baked = None
 
     def fix_light(self, to: str) -> None:
@@ -137,6 +144,8 @@ class Session:
         before, self.view = self.view, as_view(view, self.shape, up=self.up)
         if self.light_fixed_to == "eye":
             light, self.light = self.light, carried(self.light, before, self.view)
+            if self._lit_from is not None:
+                self._lit_from = self.view
             if self.light is not light:
                 self._baked = None
         if self.follows_view:
@@ -157,6 +166,7 @@ class Session:
         self.light_fixed_to = "object"
         self._options.clear()
         self.go_back(self._first)
+        self._lit_from = self.view if self._asked.light is None else None
 
     def look_now(self) -> Look:
         """Return what is chosen, for `go_back`, recipes and bakes."""
@@ -168,9 +178,9 @@ class Session:
 
     def go_back(self, look: Look) -> None:
         """Choose again what `look_now` returned."""
-        self.view = as_view(look.view, self.shape, up=self.up)
-        self.light = as_lighting(look.light, self.view, up=self.up)
         self.use(look.function)
+        self.view = as_view(look.view, self.shape, up=self.up)
+        self.light = look.lighting(self.view, self.shape.kind)
         self.options.clear()
         self.options.update(look.options)
         self.paint(look.colormap)
@@ -237,6 +247,10 @@ class Session:
         """Return the (k, 3) sRGB colours of other samples of the shape, such as a preview's."""
         return self._bake(space).colors
 
+    def settled(self) -> Look:
+        """Return what is chosen, with the numbers that followed from the whole shape."""
+        return self.look_now().settled(self.space)
+
     def _bake(self, space: ScaleSpace) -> Baked:
         found = bake(
             space,
@@ -245,7 +259,7 @@ class Session:
             view=self.view,
             up=self.up,
             two_sided=self._asked.two_sided,
-            **self.options,
+            **self.settled().options,
         )
         if self.colormap is not None and found.intensity.ndim == 1:  # colours stay as they are
             found.colors = color.encode(

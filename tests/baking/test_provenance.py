@@ -34,9 +34,9 @@ def test_the_provenance_says_all_that_it_takes_to_bake_again(small):
     assert found["method"] == "exaggerated"
     given = dict(part.split("=") for part in found["options"].split())
     options = check(shading.exaggerated, given, "as --set would")
-    assert options["exaggeration"] == 12.5
+    assert [options[name] for name in ("exaggeration", "base", "contrast")] == [12.5, 1, 1]
     for name, option in options_of(shading.exaggerated).items():  # those not given, too
-        assert name == "exaggeration" or options.get(name) == option.default
+        assert name in ("exaggeration", "base", "contrast") or options.get(name) == option.default
     assert found["scales"].startswith("3, widths 0.1 to 0.225, ratio 1.5")
     assert found["light"].startswith("azimuth -45 elevation 30 (")
     assert (found["view"], found["colormap"], found["albedo"]) == ("top, up z", "sepia", "none")

@@ -39,7 +39,9 @@ def test_a_recipe_holds_todays_defaults(folder):
     held = tomllib.loads(Path("look.toml").read_text(encoding="utf-8"))
     assert held["scales"] == 9
     assert held["ratio"] == 2**0.5
-    assert held["options"]["exaggeration"] == 15.0
+    assert held["light"] == "northwest"
+    assert held["options"]["emphasis"] == -0.5
+    assert "exaggeration" not in held["options"]  # follows the shape
     assert "width" not in held
     assert "focus" not in held["options"]
 

@@ -18,6 +18,10 @@ def space(ball):
     return md.scale_space(ball, scales=5)
 
 
+def paper(space, **options):
+    return exaggerated(space, LIGHT, exaggeration=15.0, **options)
+
+
 def plain_twin(space, radius):
     n = space.normals.astype(float)
     weights = band_weights(space.widths, space.ratio, emphasis=-0.5, contrast=1.0)
@@ -31,16 +35,16 @@ def plain_twin(space, radius):
 
 @pytest.mark.parametrize("radius", [0.05, 0.4, 3.0])
 def test_attention_follows_its_formula(space, radius):
-    c = exaggerated(space, LIGHT, focus=FOCUS, radius=radius)
+    c = paper(space, focus=FOCUS, radius=radius)
     np.testing.assert_allclose(c, plain_twin(space, radius), atol=1 / 255)
 
 
 def test_a_wide_radius_is_no_attention_and_a_narrow_one_leaves_the_base_coat(space):
-    plain = exaggerated(space, LIGHT)
-    np.testing.assert_allclose(exaggerated(space, LIGHT, focus=FOCUS, radius=1e9), plain, atol=1e-6)
+    plain = paper(space)
+    np.testing.assert_allclose(paper(space, focus=FOCUS, radius=1e9), plain, atol=1e-6)
     weights = band_weights(space.widths, space.ratio, emphasis=-0.5, contrast=1.0)
     base = (1 + weights[-1] * (space.normals[-1] @ LIGHT)) / 2
-    narrow = exaggerated(space, LIGHT, focus=(9, 9, 9), radius=1e-250)
+    narrow = paper(space, focus=(9, 9, 9), radius=1e-250)
     np.testing.assert_allclose(narrow, base, atol=1e-6)
 
 

@@ -29,6 +29,11 @@ def unit(vectors):
     return vectors / np.linalg.norm(vectors, axis=-1, keepdims=True)
 
 
+def paper(space, light, **options):
+    """The equations as the paper has them: one exaggeration, and the base coat as it is."""
+    return exaggerated(space, light, **{"exaggeration": DEFAULT, **options})
+
+
 def lights_for(space, rng, count=20):
     """Any lights, those along axes, and those along some smoothed normals, either way."""
     some = space.normals[1:].reshape(-1, 3)[rng.integers(0, len(space.points), count)]
@@ -81,7 +86,7 @@ def test_single_precision_does_not_show(space, relief, rng):
     # a level, where the light's own direction in the plane is as uncertain as the normals are.
     for shape in (space, relief):
         for light in lights_for(shape, rng):
-            off = np.abs(exaggerated(shape, light) - written_out(shape, light))
+            off = np.abs(paper(shape, light) - written_out(shape, light))
             aside = (length_of_local_light(shape, light) > 0.5).all(axis=0)
             assert off[aside].max(initial=0) < 1e-5
             assert off.max() < 0.2 / 255
@@ -92,7 +97,7 @@ def test_single_precision_does_not_show(space, relief, rng):
 def test_weights_enter_as_written(space, emphasis, contrast):
     light = unit(np.array([-1.0, 2.0, 0.5]))
     options = {"emphasis": emphasis, "contrast": contrast}
-    off = np.abs(exaggerated(space, light, **options) - written_out(space, light, **options))
+    off = np.abs(paper(space, light, **options) - written_out(space, light, **options))
     assert (off <= rounding_bound(space, light, **options)).all()
 
 
@@ -171,9 +176,7 @@ def test_one_scale_is_detail_and_base(ball, rng):
     cosine = np.einsum("ni,ni->n", fine, local) / np.linalg.norm(local, axis=1)
     expected = 0.5 + 0.25 * (along + np.clip(DEFAULT * cosine, -1, 1))  # two equal weights
     away = np.linalg.norm(local, axis=1) > 0.1
-    np.testing.assert_allclose(
-        exaggerated(space, light, emphasis=0)[away], expected[away], atol=1e-3
-    )
+    np.testing.assert_allclose(paper(space, light, emphasis=0)[away], expected[away], atol=1e-3)
 
 
 def test_a_light_along_a_smoothed_normal_leaves_that_vertex_its_base(ball):
@@ -182,7 +185,7 @@ def test_a_light_along_a_smoothed_normal_leaves_that_vertex_its_base(ball):
     for vertex in (0, 100, 2000):
         light = unit(space.normals[1, vertex].astype(float))
         for sign in (1, -1):
-            found = exaggerated(space, sign * light)[vertex]
+            found = paper(space, sign * light)[vertex]
             bound = rounding_bound(space, light)[vertex]
             assert found == pytest.approx(0.5 + sign * 0.5 * k, abs=bound)
 
@@ -193,7 +196,7 @@ def test_a_plane_is_evenly_shaded(light):
     light = unit(light.astype(float))
     k = band_weights(space.widths, space.ratio, emphasis=-0.5, contrast=1.0)[-1]
     expected = 0.5 + 0.5 * k * light[2]
-    assert np.abs(exaggerated(space, light) - expected).max() <= rounding_bound(space, light).max()
+    assert np.abs(paper(space, light) - expected).max() <= rounding_bound(space, light).max()
 
 
 def test_the_steepest_toon_is_a_sign(space, rng):
@@ -213,7 +216,7 @@ def test_the_steepest_toon_is_a_sign(space, rng):
 def test_the_opposite_light_gives_the_negative(space, relief, rng):
     for shape in (space, relief):
         for light in lights_for(shape, rng, 5):
-            both = exaggerated(shape, light) + exaggerated(shape, -light)
+            both = paper(shape, light) + paper(shape, -light)
             np.testing.assert_allclose(both, 1, atol=3 * ROUNDING)  # each step is odd
 
 
@@ -236,7 +239,7 @@ def test_turning_the_light_a_little_changes_little(space, relief, rng):
             bound = 0.5 * (k[-1] * chord + k[:-1] @ np.minimum(detail, 2))
             bounds.append(bound)
             rounding = rounding_bound(shape, light) + rounding_bound(shape, turned)
-            moved = np.abs(exaggerated(shape, turned) - exaggerated(shape, light))
+            moved = np.abs(paper(shape, turned) - paper(shape, light))
             assert (moved <= bound + rounding).all()
         assert np.median(bounds) < 1 / 255  # as a rule less than a grey level
 

@@ -62,18 +62,18 @@ def test_both_equations_agree_as_lights_grow(space, environment, curvature, up):
 
 
 def test_contrast_is_eq_3(space):
-    plain = shading.light_warping(space, "front", exposure=0.1)
+    plain = shading.light_warping(space, "front", magnitude=6, exposure=0.1)
     _, u, v = scales(space, 6)
     for contrast in (-1, 0.5, 1):
-        found = shading.light_warping(space, "front", contrast=contrast, exposure=0.1)
+        found = shading.light_warping(space, "front", magnitude=6, contrast=contrast, exposure=0.1)
         np.testing.assert_allclose(found, plain * (u * v) ** contrast, rtol=1e-4)
     convex = u * v < 0.98
-    brighter = shading.light_warping(space, "front", contrast=-1, exposure=0.1)
+    brighter = shading.light_warping(space, "front", magnitude=6, contrast=-1, exposure=0.1)
     assert (brighter[convex & (plain > 0)] > plain[convex & (plain > 0)]).all()
 
 
 def test_a_mirror_looks_along_the_warped_reflection(space, environment):
-    found = shading.light_warping(space, environment, material=Mirror(), exposure=0.2)
+    found = shading.light_warping(space, environment, material=Mirror(), magnitude=6, exposure=0.2)
     frames, u, v = scales(space, 6)
     n = space.normals[0].astype(float)
     front = n[:, 2] > 0.05

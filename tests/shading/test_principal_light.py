@@ -48,14 +48,16 @@ def written_out(space, strength, focus=None, radius=None):
 
 @pytest.mark.parametrize("strength", [0.1, 3.0, 1e3])
 def test_the_kernel_is_the_equation(space, strength):
-    found = exaggerated(space, LIGHT, principal_strength=strength)
+    found = exaggerated(space, LIGHT, exaggeration=15, principal_strength=strength)
     # Roundings of single precision, times the exaggeration.
     np.testing.assert_allclose(found, written_out(space, strength), atol=1e-4)
 
 
 def test_attention_fades_bent_bands_too(space):
     focus, radius = (0.0, 0.0, 1.0), 0.4
-    found = exaggerated(space, LIGHT, principal_strength=3.0, focus=focus, radius=radius)
+    found = exaggerated(
+        space, LIGHT, exaggeration=15, principal_strength=3.0, focus=focus, radius=radius
+    )
     np.testing.assert_allclose(found, written_out(space, 3.0, focus, radius), atol=1e-4)
 
 

@@ -18,6 +18,7 @@ from meshdepict.baking.recipe import save_recipe
 from meshdepict.errors import MeshdepictError
 from meshdepict.options import as_text
 from meshdepict.scene.light import Light
+from meshdepict.scene.rig import Rig
 from meshdepict.scene.view import View
 from meshdepict.viewer.controls import Control, controls
 from meshdepict.viewer.packing import sight
@@ -80,6 +81,7 @@ class Desk:
 
         session, light = self.session, self.session.light
         summary = (inspect.getdoc(session.function) or "").partition("\n\n")[0]
+        handle = session.light.lamps[0] if isinstance(session.light, Rig) else session.light
         return {
             "title": self.title,
             "kinds": list(KINDS),
@@ -87,7 +89,7 @@ class Desk:
             "methods": list(METHODS),
             "about": " ".join(summary.split()),
             "controls": [self._control(control) for control in controls(session.function)],
-            "light": light.direction.tolist() if isinstance(light, Light) else None,
+            "light": handle.direction.tolist() if isinstance(handle, Light) else None,
             "follows": session.light_fixed_to == "eye",
             "lightText": str(light)[:200],
             "colormap": session.colormap or "",
@@ -118,7 +120,7 @@ class Desk:
         with TemporaryDirectory(prefix="meshdepict-") as folder:
             path = Path(folder) / self.name(kind)
             if kind == "recipe":
-                save_recipe(path, self.session.look_now())
+                save_recipe(path, self.session.settled())
             elif kind == "png":
                 baked.picture(path, size=size)
             elif kind == "html":

@@ -9,7 +9,7 @@ from meshdepict.scales.space import ScaleSpace
 from meshdepict.scene.view import View
 from meshdepict.shading import exaggerated
 from meshdepict.shading.attention import NEAR
-from meshdepict.shading.exaggerated import SINGULAR_LIGHT, band_weights
+from meshdepict.shading.exaggerated import SINGULAR_LIGHT, band_weights, per_band, settle
 from meshdepict.shading.method import require_smoothing
 from meshdepict.viewer.live.live_method import Attributes, LiveMethod, Options, packed
 
@@ -26,7 +26,7 @@ vec3 shade() {{
   for (int i = 0; i < SETS - 1; i++) {{
     vec3 turned = l - n[i + 1] * dot(n[i + 1], l);                        // eq. 4
     turned *= inversesqrt(dot(turned, turned) + {SINGULAR_LIGHT**2:g});
-    float detail = clamp(exaggeration * dot(n[i], turned), -1.0, 1.0);    // eq. 3
+    float detail = clamp(exaggeration[i] * dot(n[i], turned), -1.0, 1.0); // eq. 3
 #ifdef ATTENTION
     detail *= exp(-remoteness / exp2(float(i)));                          // fig. 9
 #endif
@@ -43,10 +43,13 @@ def _attributes(space: ScaleSpace, view: View, options: Options) -> tuple[int, A
 
 
 def _uniforms(space: ScaleSpace, options: Options) -> Uniforms:
+    tones = settle(space, options)
     weights = band_weights(
-        space.widths, space.ratio, emphasis=options["emphasis"], contrast=options["contrast"]
-    )
-    found: Uniforms = {"weights": list(weights), "exaggeration": options["exaggeration"]}
+        space.widths, space.ratio,
+        emphasis=options["emphasis"], contrast=tones["contrast"], base=tones["base"],
+    )  # fmt: skip
+    steep = per_band(space, tones["exaggeration"])
+    found: Uniforms = {"weights": list(weights), "exaggeration": list(steep)}
     if options["focus"] is not None:
         unit = space.shape.diagonal or 1.0
         reach = NEAR if options["radius"] is None else options["radius"] / unit

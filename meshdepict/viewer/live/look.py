@@ -58,7 +58,7 @@ class LiveLook:
         method: str | Callable[..., Any],
         *,
         options: Mapping[str, Any] | None = None,
-        light: LightsLike = "northwest",
+        light: Any = None,
         view: View | str,
         colormap: str | None = None,
     ) -> None:
@@ -68,7 +68,8 @@ class LiveLook:
         self._options: dict[str, Any] = {
             name: option.default for name, option in options_of(self._method.function).items()
         }
-        self._light, self._view = light, as_view(view, space.shape)
+        self._view = as_view(view, space.shape)
+        self._light = declaration(self._method.function).light if light is None else light
         # What the card has by now.
         self._key: tuple[Any, ...] | None = None
         self._defines: dict[str, int] | None = None

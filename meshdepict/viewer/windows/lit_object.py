@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from meshdepict.baking.look import bake
 from meshdepict.baking.surfaces import own_colors
 from meshdepict.errors import MeshdepictError
+from meshdepict.shading.method import LIGHT
 from meshdepict.viewer.light_drag import lights_of
 from meshdepict.viewer.session import Session
 from meshdepict.viewer.windows.lit_shape import LitShape
@@ -41,7 +42,7 @@ def colors_before(session: Session, space: ScaleSpace | None = None) -> NDArray[
         return own_colors(session.shape)
     except MeshdepictError:
         lights = lights_of(session.light)
-        light = lights[0] if lights else "northwest"
+        light = lights[0] if lights else LIGHT
         space = session.space if space is None else space
         return bake(space, "lambert", light=light, view=session.view, up=session.up).colors
 

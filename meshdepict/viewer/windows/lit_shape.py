@@ -88,4 +88,5 @@ class LitShape:
     def _options(self) -> dict[str, Any]:
         """Return all options of the method as they are now."""
         known = options_of(find_method(self._session.method))
-        return {name: option.default for name, option in known.items()} | self._session.options
+        settled = self._session.settled().options
+        return {name: option.default for name, option in known.items()} | dict(settled)

@@ -124,6 +124,10 @@ class ThinnedSpace(ScaleSpace):
         self._whole = space
         self._chosen = chosen
 
+    def typical(self) -> ScaleSpace:
+        """Return the samples of the whole."""
+        return self._whole.typical()
+
     @property
     def surface(self) -> Mesh:
         """The whole surface."""
