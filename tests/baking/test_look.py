@@ -87,7 +87,7 @@ def test_what_equals_a_default_is_one_however_it_was_made():
         for name, value in usual.items()
         if isinstance(value, str) or type(value) in (int, float)
     }
-    assert {"light", "view", "albedo", "tolerance", "facing"} <= set(fresh)
+    assert {"view", "albedo", "tolerance", "facing"} <= set(fresh)
     assert all(value is not usual[name] for name, value in fresh.items())
     assert md.Look("lambert", **fresh).words() == {}
 
