@@ -1,7 +1,7 @@
 """Draw every method as it is by default on every object given: one sheet, and a table of numbers.
 
     python scripts/contact_sheet.py                      # the package's own samples
-    python scripts/contact_sheet.py scan.ply lucy.ply@z/back -o sheet.png --table sheet.md
+    python scripts/contact_sheet.py scan.ply lucy.ply@z/back -o sheet.png --table
     python scripts/contact_sheet.py scan.ply --method exaggerated --method lambert --extra
 
 After an @ stands which axis is up, and after a stroke the view. Rows are objects, columns methods.
@@ -140,7 +140,7 @@ def sheet(rows: dict[str, list[Image.Image]], captions: list[str]) -> Image.Imag
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("files", nargs="*", help="FILE, FILE@UP or FILE@UP/VIEW")
-    parser.add_argument("-o", "--output", type=Path, default=Path("contact_sheet.png"))
+    parser.add_argument("-o", "--output", type=Path, default=Path("contact_sheet.jpg"))
     parser.add_argument("--table", action="store_true", help="print the numbers as Markdown")
     parser.add_argument("--method", action="append", help="one of those to draw; all unless given")
     parser.add_argument("--extra", action="store_true", help="also settings of the papers' figures")
@@ -165,7 +165,7 @@ def main() -> None:
                 side = given.shown or given.size
                 pictures[name].append(drawn.resize((side, side), Image.Resampling.LANCZOS))
     page = sheet(pictures, list(wanted))
-    page.quantize(128).save(given.output, optimize=True)
+    page.save(given.output, quality=88, optimize=True)
     if given.table:
         head("method", *pictures)
         for caption, cells in table.items():
