@@ -14,7 +14,7 @@ from meshdepict.scene.light import Light, Lights
 from meshdepict.scene.vectors import Vector, numbers_of
 from meshdepict.scene.view import View
 
-__all__ = ["LIGHTS", "as_light", "as_lighting", "as_lights", "as_view", "is_several"]
+__all__ = ["LIGHTS", "as_light", "as_lighting", "as_lights", "as_view", "is_several", "parted"]
 
 # Azimuths clockwise from up. The elevation makes northwest (−1, 1, 1)/√3 in the view's frame.
 _COMPASS = {
@@ -91,6 +91,16 @@ def as_lights(light: Any, view: View | None = None, *, count: int = 54) -> list[
     if not lights:
         raise MeshdepictError("an empty sequence of lights leaves everything black; give one light")
     return lights
+
+
+def parted(light: Any, view: View | None = None) -> tuple[list[Light], list[Environment]]:
+    """Return the directional lights and the environments of what `as_lights` takes."""
+    if isinstance(light, Environment):
+        return [], [light]
+    if not is_several(light):
+        return [as_light(light, view)], []
+    parts = [parted(item, view) for item in light]
+    return [one for lights, _ in parts for one in lights], [e for _, found in parts for e in found]
 
 
 def as_lighting(light: Any, view: View | None = None, *, up: str = "y") -> Any:
