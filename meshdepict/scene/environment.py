@@ -16,6 +16,15 @@ from numpy.typing import ArrayLike, NDArray
 
 from meshdepict.errors import MeshdepictError
 from meshdepict.options import real
+from meshdepict.scene.blurs import (
+    WIDEST,
+    Blurs,
+    blurred,
+    levels,
+    rows_of,
+    source_rows,
+    width_of,
+)
 from meshdepict.scene.equirectangular import (
     bilinear,
     grid,
@@ -35,10 +44,7 @@ LUMINANCE = np.array([0.2126, 0.7152, 0.0722])  # of linear sRGB primaries
 
 # Ramamoorthi and Hanrahan 2001: what a cosine keeps of each order of spherical harmonics.
 _COSINE = (math.pi, 2 * math.pi / 3, math.pi / 4)
-# Widths in radians of the blurred copies, and the rows that show them without loss.
-_BLURS = ((0.1, 64), (0.2, 32), (0.4, 20), (0.8, 12), (1.6, 8))
 _CUT_SOURCE = 512  # rows of the picture that lights are cut from: a third of a degree
-_BLUR_SOURCE = 64  # rows of the picture that is blurred: half a width of the sharpest copy
 
 
 class Environment:
@@ -109,6 +115,11 @@ class Environment:
         """Largest luminance."""
         return float((self.pixels @ LUMINANCE).max())
 
+    @cached_property
+    def gray(self) -> bool:
+        """Whether it has no colour anywhere."""
+        return bool((self.pixels == self.pixels[..., :1]).all())
+
     def lights(self, count: int = 54) -> list[Light]:
         """Return directional lights that stand for the environment.
 
@@ -134,7 +145,7 @@ class Environment:
             r0, r1, c0, c1 = part
             total = table[r1, c1] - table[r0, c1] - table[r1, c0] + table[r0, c0]
             centroid = total[1:4]
-            if np.linalg.norm(centroid) <= 1e-9 * total[0]:  # all round
+            if np.linalg.norm(centroid) <= 1e-9 * abs(total[0]):  # all round, or black
                 centroid = self._cells[1][(r0 + r1) // 2, (c0 + c1) // 2]
             name = f"{self.name or 'environment'} {number + 1}"
             color = np.maximum(total[4:], 0) / math.pi
@@ -197,37 +208,53 @@ class Environment:
         width = real(blur)
         if width is None or width < 0:
             raise MeshdepictError(f"blur={blur!r} is not a width in radians")
-        widths = np.array([0.0, *(width for width, _ in _BLURS)])
-        level = float(np.interp(width, widths, np.arange(len(widths))))
-        lower = min(int(level), len(widths) - 2)
-        share = np.float32(level - lower)
         local = to_picture(_vectors(directions, "directions"), self.up)
-        found = bilinear(self._copy(lower), local) if share < 1 else np.float32(0)
-        if share > 0:
-            found = (1 - share) * found + share * bilinear(self._copy(lower + 1), local)
-        return np.asarray(found, np.float32)
+        finest = self._levels - 1
+        if width <= width_of(finest):  # between the picture and its least blurred copy
+            share = np.float32(width / width_of(finest))
+            return _mixed(self.pixels, self._copy(finest), share, local)
+        level = 2 * math.log2(WIDEST / min(width, WIDEST))
+        coarse = min(int(level), finest - 1)
+        share = np.float32(level - coarse)
+        return _mixed(self._copy(coarse), self._copy(coarse + 1), share, local)
+
+    @property
+    def _levels(self) -> int:
+        """How many blurred copies there are, down to a pixel."""
+        return max(2, levels(math.pi / self.pixels.shape[0]))
 
     @cached_property
     def _copies(self) -> dict[int, NDArray[np.float32]]:
         return {}
 
     def _copy(self, level: int) -> NDArray[np.float32]:
-        """Return the picture itself (0) or one of its blurred copies, made when first asked for."""
-        if level == 0:
-            return self.pixels
+        """Return a blurred copy, made when first asked for."""
         if level not in self._copies:
-            self._copies[level] = self._blurred(*_BLURS[level - 1])
+            width = width_of(level)
+            flux = self._flux(source_rows(width))
+            self._copies[level] = blurred(flux, width, rows_of(width))
         return self._copies[level]
 
-    def _blurred(self, width: float, rows: int) -> NDArray[np.float32]:
-        flux, towards = (part.reshape(-1, part.shape[-1]) for part in self.reduced(_BLUR_SOURCE))
-        target = grid(rows, 2 * rows).reshape(-1, 3).astype(np.float32)
-        blurred = np.empty((len(target), 3), np.float32)
-        for begin in range(0, len(target), 1024):
-            lobe = np.exp((target[begin : begin + 1024] @ towards.T - 1) / np.float32(width**2))
-            sums = lobe @ flux
-            blurred[begin : begin + 1024] = sums[:, :3] / sums[:, 3:]
-        return blurred.reshape(rows, 2 * rows, 3)
+    def blurs(self, finest: float) -> Blurs:
+        """Return blurred copies down to a width in radians, and the picture itself below a pixel.
+
+        They are kept.
+        """
+        count = min(levels(max(finest, 1e-9)), self._levels)
+        sharp = count == self._levels and finest < width_of(count - 1)
+        if (count, sharp) not in self._blurs:
+            copies = [self._copy(level) for level in range(count)] + [self.pixels] * sharp
+            sizes = np.array([copy.shape[:2] for copy in copies])
+            ends = np.cumsum(sizes.prod(axis=1))
+            texels = np.concatenate([copy.reshape(-1, 3) for copy in copies])
+            self._blurs[count, sharp] = Blurs(
+                texels, np.append(0, ends[:-1]), sizes[:, 0].copy(), sizes[:, 1].copy(), sharp
+            )
+        return self._blurs[count, sharp]
+
+    @cached_property
+    def _blurs(self) -> dict[tuple[int, bool], Blurs]:
+        return {}
 
     def reduced(self, rows: int) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
         """Return a coarser picture of whole blocks of pixels, about `rows` high or finer.
@@ -239,26 +266,55 @@ class Environment:
         directions : (h, w, 3) array
             To the blocks' middles in the picture's own frame, y up.
         """
+        flux = self._flux(rows)
+        step = self.pixels.shape[0] // flux.shape[0]
+        middles = grid(*self.pixels.shape[:2])
+        if step > 1:
+            middles = _blocks(middles * self._solid_angles[..., None], step)
+            middles /= np.linalg.norm(middles, axis=2, keepdims=True)
+        return flux, middles.astype(np.float32)
+
+    def _flux(self, rows: int) -> NDArray[np.float32]:
+        """Return the first of `reduced`, kept for another time."""
         height, width = self.pixels.shape[:2]
         common = math.gcd(height, width)
         step = max(
             d for d in range(1, common + 1) if common % d == 0 and d <= max(1, height // rows)
         )
-        angles = np.broadcast_to(self._solid_angles, (height, width))[..., None]
-        if step == 1:
+        if step not in self._reductions:
+            angles = np.broadcast_to(self._solid_angles, (height, width))[..., None]
             flux = np.concatenate([self.pixels * angles, angles], axis=2, dtype=np.float32)
-            return flux, grid(height, width).astype(np.float32)
-        blocks = height // step, step, width // step, step
-        parts = np.concatenate([self.pixels * angles, angles, grid(height, width) * angles], axis=2)
-        sums = parts.reshape(*blocks, 7).sum(axis=(1, 3))
-        towards = sums[..., 4:] / np.linalg.norm(sums[..., 4:], axis=2, keepdims=True)
-        return sums[..., :4].astype(np.float32), towards.astype(np.float32)
+            self._reductions[1] = self._reductions.get(1, flux)
+            self._reductions[step] = _blocks(self._reductions[1], step)
+        return self._reductions[step]
+
+    @cached_property
+    def _reductions(self) -> dict[int, NDArray[np.float32]]:
+        return {}
 
     @cached_property
     def largest_irradiance(self) -> float:
         """Largest luminance of `irradiance` over all normals."""
         every = to_world(grid(32, 64).reshape(-1, 3), self.up)
         return float((self.irradiance(every) @ LUMINANCE).max())
+
+
+def _blocks(values: NDArray[Any], step: int) -> NDArray[Any]:
+    """Return sums over blocks of pixels of (h, w, k)."""
+    if step == 1:
+        return values
+    height, width, channels = values.shape
+    return values.reshape(height // step, step, width // step, step, channels).sum(axis=(1, 3))
+
+
+def _mixed(
+    one: NDArray[np.float32], other: NDArray[np.float32], share: np.float32, directions: Floats
+) -> NDArray[np.float32]:
+    """Return what lies between two copies in some directions: (1 − share) one + share other."""
+    found = bilinear(one, directions) if share < 1 else np.float32(0)
+    if share > 0:
+        found = (1 - share) * found + share * bilinear(other, directions)
+    return np.asarray(found, np.float32)
 
 
 def _harmonics(directions: Floats) -> Floats:

@@ -20,7 +20,7 @@ from meshdepict.scene.view import View
 
 __all__ = [
     "LIGHTS", "LightLike", "Lighting", "LightsLike", "as_light", "as_lighting", "as_lights",
-    "as_view", "is_several", "light_angles",
+    "as_view", "is_several", "light_angles", "parted",
 ]  # fmt: skip
 
 LightLike: TypeAlias = str | ArrayLike | Light
@@ -128,6 +128,16 @@ def as_lights(light: LightsLike, view: View | None = None, *, count: int = 54) -
     if not lights:
         raise MeshdepictError("an empty sequence of lights leaves everything black; give one light")
     return lights
+
+
+def parted(light: LightsLike, view: View | None = None) -> tuple[list[Light], list[Environment]]:
+    """Return the directional lights and the environments of what `as_lights` takes."""
+    if isinstance(light, Environment):
+        return [], [light]
+    if not is_several(light) or not len(light):
+        return as_lights(light, view), []
+    parts = [parted(item, view) for item in light]
+    return [one for lights, _ in parts for one in lights], [e for _, found in parts for e in found]
 
 
 def as_lighting(light: LightsLike, view: View | None = None, *, up: str = "y") -> Lighting:

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from meshdepict.threads import each, kernel, spans, thread_count
 
-__all__ = ["SINGLE", "align_chain", "arc_tangent", "cosine", "rotated", "sine"]
+__all__ = ["SINGLE", "align_chain", "arc_tangent", "cosine", "exactly_rotated", "rotated", "sine"]
 
 # Sharpness γ above which the chain runs in double precision. A strength of 1 leaves a light e^−γ
 # beside its guide, and the direction of that is what the next scale turns it by: in single
@@ -173,27 +173,31 @@ def rotated(n0, n1, n2, z0, z1, z2, strength, fade, l0, l1, l2):  # type: ignore
     return a * l0 + b * t0, a * l1 + b * t1, a * l2 + b * t2
 
 
+@kernel("reordered", inline=True)
+def exactly_rotated(n0, n1, n2, z0, z1, z2, strength, fade, l0, l1, l2):  # type: ignore[no-untyped-def]
+    """Return the same in double precision, without polynomials, of any guide and base."""
+    n0, n1, n2 = np.float64(n0), np.float64(n1), np.float64(n2)
+    z0, z1, z2 = np.float64(z0), np.float64(z1), np.float64(z2)
+    g0, g1, g2, x, y, level, length, sided = guided(n0, n1, n2, z0, z1, z2, l0, l1, l2)
+    confidence = min(1.0, math.atan2(x, y) * (2 / math.pi) * level * length) if sided else 0.0
+    weight = confidence / max(fade * (1 - confidence) + confidence, 1e-300)
+    cos = g0 * l0 + g1 * l1 + g2 * l2
+    t0, t1, t2 = g0 - cos * l0, g1 - cos * l1, g2 - cos * l2
+    sin = math.sqrt(t0 * t0 + t1 * t1 + t2 * t2)
+    turn = strength * weight * math.atan2(sin, cos)
+    a, b = math.cos(turn), math.sin(turn) / max(sin, 1e-300)
+    return a * l0 + b * t0, a * l1 + b * t1, a * l2 + b * t2
+
+
 @kernel("reordered")
 def _exact_chain(planes, strengths, fade, lights, begin, end):  # type: ignore[no-untyped-def]
-    """Do the same from single to double precision, without polynomials."""
-    tiny = 1e-300
     for i in range(begin, end):
         l0, l1, l2 = lights[0, i], lights[1, i], lights[2, i]
         for scale in range(len(strengths) - 1, -1, -1):
-            if strengths[scale] <= 0:
-                continue
-            n0, n1 = np.float64(planes[scale, 0, i]), np.float64(planes[scale, 1, i])
-            n2, z0 = np.float64(planes[scale, 2, i]), np.float64(planes[scale + 1, 0, i])
-            z1, z2 = np.float64(planes[scale + 1, 1, i]), np.float64(planes[scale + 1, 2, i])
-            g0, g1, g2, x, y, level, length, sided = guided(n0, n1, n2, z0, z1, z2, l0, l1, l2)
-            if not sided:
-                continue
-            confidence = min(1.0, math.atan2(x, y) * (2 / math.pi) * level * length)
-            weight = confidence / max(fade * (1 - confidence) + confidence, tiny)
-            cos = g0 * l0 + g1 * l1 + g2 * l2
-            t0, t1, t2 = g0 - cos * l0, g1 - cos * l1, g2 - cos * l2
-            sin = math.sqrt(t0 * t0 + t1 * t1 + t2 * t2)
-            turn = strengths[scale] * weight * math.atan2(sin, cos)
-            a, b = math.cos(turn), math.sin(turn) / max(sin, tiny)
-            l0, l1, l2 = a * l0 + b * t0, a * l1 + b * t1, a * l2 + b * t2
+            if strengths[scale] > 0:
+                l0, l1, l2 = exactly_rotated(
+                    planes[scale, 0, i], planes[scale, 1, i], planes[scale, 2, i],
+                    planes[scale + 1, 0, i], planes[scale + 1, 1, i], planes[scale + 1, 2, i],
+                    strengths[scale], fade, l0, l1, l2,
+                )  # fmt: skip
         lights[0, i], lights[1, i], lights[2, i] = l0, l1, l2

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from meshdepict.options import Range
 from meshdepict.scales.space import ScaleSpace
 from meshdepict.scene.material import CookTorrance
-from meshdepict.scene.names import LightsLike, as_lights
+from meshdepict.scene.names import LightsLike, parted
 from meshdepict.scene.view import View
 from meshdepict.shading.direct import direct
 from meshdepict.shading.features import eyes, sight
@@ -45,4 +45,6 @@ def cook_torrance(
     """
     eye = sight(view, space, fitted=False)
     material = CookTorrance(diffuse, reflectance, roughness)
-    return exposed(direct(space, as_lights(light, eye), eyes(space, eye), material), exposure)
+    lights, environments = parted(light, eye)
+    shaded = direct(space, lights, eyes(space, eye), material, environments=environments)
+    return exposed(shaded, exposure)

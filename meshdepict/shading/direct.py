@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from meshdepict.errors import MeshdepictError
 from meshdepict.scales.space import ScaleSpace
+from meshdepict.scene.environment import Environment
 from meshdepict.scene.light import Light
 from meshdepict.scene.material import (
     AshikhminShirley,
@@ -46,6 +47,8 @@ def direct(
     eyes: NDArray[np.float32],
     material: Material,
     *,
+    environments: Sequence[Environment] = (),
+    count: int = 54,
     frames: Frames | None = None,
     warping: float = 0.0,
     scaling: Scaling = Scaling(),  # noqa: B008 (immutable)
@@ -60,6 +63,10 @@ def direct(
         Towards the eye.
     material : Material
         One that lights shine on.
+    environments : sequence of Environment
+        Each is cut into ``count`` lights for the diffuse term; highlights have as many samples in
+        the lobe of every point (`meshdepict.shading.lobes`).
+    count : int
     frames : Frames, optional
         Curvature, needed for the next two.
     warping : float
@@ -71,6 +78,26 @@ def direct(
     (n,) array, (n, 3) where a light is coloured
     """
     kind, parameters = kernel_parameters(material)
+    settings: Any = {"frames": frames, "warping": warping, "scaling": scaling}
+    cut = [light for environment in environments for light in environment.lights(count)]
+    if cut and kind >= PHONG and parameters[1] > 0:
+        from meshdepict.shading.lobes import lobes
+        from meshdepict.shading.many_lights_kernel import sum_lights
+
+        directions = np.array([light.direction for light in cut], np.float32)
+        total = sum_lights(
+            space.planes[0], eyes, directions, kernel_colors([light.color for light in cut]),
+            kind, parameters, highlights=False, **settings,
+        )  # fmt: skip
+        for environment in environments:
+            total = total + lobes(
+                space.planes[:1], eyes, environment, kind, parameters, count=count, **settings
+            )
+        if lights:
+            own = direct(space, lights, eyes, material, **settings)
+            total = total + (own if own.ndim == 2 else own[:, None])
+        return squeezed(total)
+    lights = [*lights, *cut]
     scaled = frames is not None and bool(scaling.diffuse or scaling.specular)
     if len(lights) <= _FEW and not scaled:
         return _few(space, lights, eyes, material, frames if warping else None, warping)
@@ -81,7 +108,7 @@ def direct(
     return squeezed(
         sum_lights(
             space.planes[0], eyes, directions, kernel_colors([light.color for light in lights]),
-            kind, parameters, frames=frames, warping=warping, scaling=scaling,
+            kind, parameters, **settings,
         )
     )  # fmt: skip
 

@@ -23,9 +23,12 @@ from meshdepict.scene.material import (
     diffuse_term,
     specular_term,
 )
-from meshdepict.scene.names import LightsLike, as_lights
+from meshdepict.scene.names import LightsLike, parted
 from meshdepict.scene.view import View
+from meshdepict.shading.direct import kernel_parameters
 from meshdepict.shading.features import LightCount, Parameter, eyes, sight
+from meshdepict.shading.lobes import aligned_lobes
+from meshdepict.shading.material_kinds import PHONG
 from meshdepict.shading.method import Exposure, exposed, method, require_smoothing
 from meshdepict.shading.transmission import refracted, rough_transmission
 
@@ -209,10 +212,24 @@ def light_alignment(
         transmitted_strength=per_scale(space, transmitted_strength, "transmitted_strength"),
     )  # fmt: skip
     total = np.full((len(space.points), 1), ambient_term(surface), np.float32)
-    for lamp in as_lights(light, eye, count=lights):
+    lamps, environments = parted(light, eye)
+    kind, parameters = kernel_parameters(surface)
+    sampled = bool(environments) and kind >= PHONG and bool(parameters[1] > 0)
+    cut = [lamp for environment in environments for lamp in environment.lights(lights)]
+    for number, lamp in enumerate([*lamps, *cut]):
         color = lamp.color.astype(np.float32)
-        shaded = np.sum([term(lamp.direction) for term in terms], axis=0)
+        ours = {
+            n: t for n, t in terms.items() if n != "glossy" or not sampled or number < len(lamps)
+        }
+        shaded = np.sum([term(lamp.direction) for term in ours.values()], axis=0)
         total = total + shaded[:, None] * (color[:1] if np.ptp(color) == 0 else color)
+    if sampled:
+        for environment in environments:
+            total = total + aligned_lobes(
+                space.planes, eyes(space, eye), environment, kind, parameters,
+                count=lights, sharpness=sharpness,
+                strengths=per_scale(space, specular_strength, "specular_strength"),
+            )  # fmt: skip
     return exposed(total[:, 0] if total.shape[1] == 1 else total, exposure)
 
 
@@ -228,7 +245,7 @@ def _terms(
     diffuse_strength: NDArray[Any],
     specular_strength: NDArray[Any],
     transmitted_strength: NDArray[Any],
-) -> list[Term]:
+) -> dict[str, Term]:
     """Return the terms that there are, each from a light to (n,), with guides of its own."""
     from meshdepict.shading.alignment_kernel import align_chain
 
@@ -240,7 +257,7 @@ def _terms(
             return np.float32(surface.diffuse) * np.maximum(_dot(finest, turned), 0)
         return diffuse_term(surface, finest.T, turned.T, eye.T)
 
-    found: list[Term] = [matt]
+    found: dict[str, Term] = {"matt": matt}
     if transmitted == 0 and isinstance(surface, Lambert):
         return found
     eye = eye - 2 * np.minimum(_dot(finest, eye), 0) * finest
@@ -251,7 +268,7 @@ def _terms(
             turned = align_chain(reflected, light, specular_strength, sharpness)
             return specular_term(surface, finest.T, turned.T, eye.T) * (_dot(finest, turned) > 0)
 
-        found.append(glossy)
+        found["glossy"] = glossy
     if transmitted > 0:
         through = np.stack([refracted(n, eye, 1 / refraction) for n in normals])
 
@@ -262,7 +279,7 @@ def _terms(
             )
             return np.float32(transmitted) * shown
 
-        found.append(clear)
+        found["clear"] = clear
     return found
 
 

@@ -23,7 +23,7 @@ from meshdepict.scene.material import (
     ambient_term,
     as_material,
 )
-from meshdepict.scene.names import LightsLike, as_lights
+from meshdepict.scene.names import LightsLike, parted
 from meshdepict.scene.view import View
 from meshdepict.shading.direct import direct, kernel_parameters, quantised
 from meshdepict.shading.features import (
@@ -159,8 +159,11 @@ def light_warping(
         environment = as_environment(light, "quadrature='directions'")
         shaded = _integral(space, environment, eyes(space, eye), chosen, frames, magnitude, lights)
     else:
-        sources = as_lights(light, eye, count=lights)
-        shaded = direct(space, sources, eyes(space, eye), chosen, frames=frames, warping=magnitude)
+        lamps, environments = parted(light, eye)
+        shaded = direct(
+            space, lamps, eyes(space, eye), chosen, environments=environments, count=lights,
+            frames=frames, warping=magnitude,
+        )  # fmt: skip
     shaded = shaded + np.float32(ambient_term(chosen))
     if contrast:
         area = warp_scale(frames.ku, magnitude) * warp_scale(frames.kv, magnitude)

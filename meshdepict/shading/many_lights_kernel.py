@@ -38,6 +38,7 @@ def sum_lights(
     warping: float = 0.0,
     scaling: Scaling = Scaling(),  # noqa: B008 (immutable)
     environment: Single | None = None,
+    highlights: bool = True,
 ) -> Single:
     """Return Σ_j ρ_j scaling_j L_j over the lights.
 
@@ -61,6 +62,8 @@ def sum_lights(
     scaling : Scaling
     environment : (h, w, c) array, optional
         Radiance by latitude (first row +y) and longitude, looked up at W(l) for eq. 1.
+    highlights : bool
+        Whether the material's specular term counts, too.
 
     Returns
     -------
@@ -74,7 +77,10 @@ def sum_lights(
     if environment is None:
         environment = np.empty((0, 0, 1), np.float32)
     numbers = np.array([warping, *scaling], np.float32)
-    arguments = (normals, eyes, lights, colors, kind, parameters, *frames, numbers, environment)
+    shiny = highlights and kind >= PHONG and bool(parameters[1] > 0)
+    arguments = (
+        normals, eyes, lights, colors, kind, parameters, shiny, *frames, numbers, environment,
+    )  # fmt: skip
     # Several pieces per thread: points in the dark take less time.
     pieces = 4 * thread_count() if count * len(lights) > 20_000 else 1
     each(lambda a, b: _sum(*arguments, out, a, b), spans(count, pieces))
@@ -83,7 +89,8 @@ def sum_lights(
 
 @kernel("reordered")
 def _sum(  # type: ignore[no-untyped-def]
-    normals, eyes, lights, colors, kind, parameters, ku, kv, u, v, z, numbers, environment, out,
+    normals, eyes, lights, colors, kind, parameters, shiny, ku, kv, u, v, z, numbers, environment,
+    out,
     begin, end,
 ):  # fmt: skip
     count, channels = colors.shape
@@ -91,7 +98,6 @@ def _sum(  # type: ignore[no-untyped-def]
     curved = len(ku) > 0
     framed = curved and (warping != _ZERO or anisotropy != _ZERO)
     scaled = curved and (numbers[1] != _ZERO or numbers[2] != _ZERO)
-    shiny = kind >= PHONG and parameters[1] > _ZERO
     world = np.ascontiguousarray(lights.T)
     local, weight = world.copy(), np.ones(count, np.float32)
     cosine, factor = np.empty(count, np.float32), np.empty(count, np.float32)

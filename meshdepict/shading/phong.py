@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from meshdepict.options import Range
 from meshdepict.scales.space import ScaleSpace
 from meshdepict.scene.material import Phong
-from meshdepict.scene.names import LightsLike, as_lights
+from meshdepict.scene.names import LightsLike, parted
 from meshdepict.scene.view import View
 from meshdepict.shading.direct import direct
 from meshdepict.shading.features import eyes, sight
@@ -43,5 +43,6 @@ def phong(
     """
     eye = sight(view, space, fitted=False)
     material = Phong(ambient, diffuse, specular, shininess)
-    shaded = direct(space, as_lights(light, eye), eyes(space, eye), material)
+    lights, environments = parted(light, eye)
+    shaded = direct(space, lights, eyes(space, eye), material, environments=environments)
     return exposed(shaded + np.float32(ambient), exposure)

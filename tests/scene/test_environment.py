@@ -112,6 +112,9 @@ def test_lights_of_a_single_bright_pixel_black_and_small_pictures():
     brightest = max(environment.lights(30), key=lambda light: light.color.sum())
     np.testing.assert_allclose(brightest.direction, environment._directions[2, 5], atol=1e-6)
     np.testing.assert_allclose(brightest.color * math.pi, environment.flux, rtol=1e-6)
+    every = environment.lights(1000)
+    assert len(every) == 8 * 16
+    np.testing.assert_allclose(np.pi * sum(x.color for x in every), environment.flux, rtol=1e-6)
     assert len(Environment(np.zeros((8, 16, 3))).lights(20)) == 20
     assert len(Environment(np.ones((1, 2, 3))).lights(20)) == 2
 
