@@ -19,6 +19,7 @@ from meshdepict.baking.baked import Baked
 from meshdepict.baking.look import Look
 from meshdepict.baking.provenance import fitted_text
 from meshdepict.baking.refinement import worth_refining
+from meshdepict.baking.smearing import CREASES, NOTEWORTHY, smeared_share
 from meshdepict.baking.surfaces import bake_surface
 from meshdepict.baking.targets import check_target, identities
 from meshdepict.console import Heard, about, complain, notes, progress_bar, say
@@ -220,6 +221,14 @@ class Batch:
                 if worth_refining(mesh)
                 else "large triangles meet at sharp edges there, a finer mesh is needed"
             )
+        look = baked.look
+        if not self.quiet and look is not None and look.refine is None:
+            share = smeared_share(mesh, look.light)
+            if share > NOTEWORTHY:
+                yield (
+                    f"sharp edges smear over {share:.0%} of the area: --creases {CREASES:g} keeps "
+                    "planes of one tone"
+                )
         strips = getattr(mesh.document, "has_strips", False)
         if strips and suffix_of(output) == ".ply":
             yield (
@@ -238,7 +247,7 @@ def check_look(look: Look) -> None:
     """
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # what they say is about the sphere
-        bake_surface(samples.sphere(12), look.replace(albedo="none"))
+        bake_surface(samples.sphere(12), look.replace(albedo="none", normals="computed"))
 
 
 def stem(source: Path | None) -> str:

@@ -99,8 +99,8 @@ class FinerMesh:
             self.most = max(self.most, _PLANE_GROWTH)
         self._active = np.ones(len(self.faces), bool)
         # Copies of a vertex along a seam, whose edges have to be split alike.
-        self._position = same_position(mesh.vertices) if self.pieces else None
-        self._group = mesh.groups if isinstance(mesh, PartedMesh) else None
+        seams = self.pieces is not None or isinstance(mesh, PartedMesh)
+        self._position = same_position(mesh.vertices) if seams else None
 
     def samples(self, space: ScaleSpace, places: Places) -> InterpolatedSpace:
         """Return samples at places, from a scale space of the mesh."""
@@ -156,7 +156,7 @@ class FinerMesh:
         """
         self.rounds -= 1
         if self.pieces is None or not wanted.any():
-            return wanted
+            return self.together(edges, wanted)
         length = self.lengths(edges)
         shortest = _SHORTEST * self._mesh.edge_length / (self._mesh.diagonal or 1.0)
         wanted = wanted & (length > shortest)
@@ -196,11 +196,15 @@ class FinerMesh:
         new = edges[chosen]
         number = count + np.arange(len(new))
         self.vertices += middles.those(chosen)
-        if self._group is not None:
-            self._group = _with_middles(self._group, new)
         self.faces, parent = split_faces(self.faces, new, number)
         self._owner = self._owner[parent]
         self._active = np.bincount(parent)[parent] > 1
+        if self._position is not None:
+            self._active[:] = True  # a neighbour along a seam may have been split
+            pairs = np.sort(self._position[new], axis=1)
+            _, same = np.unique(pairs[:, 0] * count + pairs[:, 1], return_inverse=True)
+            first = self._position.max() + 1
+            self._position = np.concatenate([self._position, first + same.ravel()])
         if self.pieces is None:
             return
         old = np.arange(count)
@@ -208,9 +212,6 @@ class FinerMesh:
         shares = (ends[:, :, None, :] == before[parent][:, None, :, None]).mean(axis=-1)
         assert self.vertices.normals is not None
         self.pieces = self.pieces.handed_down(parent, shares, self.vertices.normals)
-        if self._position is not None:
-            self._active[:] = True  # a neighbour along a seam may have been split
-            self._position = _with_middles(self._position, new)
 
     def mesh(self) -> Mesh:
         """Return it as a mesh: attributes of vertices interpolated, those of faces handed down."""
@@ -236,25 +237,16 @@ class FinerMesh:
             },
             winding="keep",
             length_unit=mesh.length_unit,
-            groups=self._group,
         )
 
 
 def _pieces(mesh: Mesh) -> PiecewiseNormals | None:
-    """Return normals of the triangles of a mesh with planes."""
-    unit = mesh.diagonal or 1.0
-    welded, faces, parted = mesh, mesh.faces, isinstance(mesh, PartedMesh)
-    if isinstance(mesh, PartedMesh):  # creases are no borders
-        welded, faces = mesh.before, mesh.source[mesh.faces]
+    """Return normals of the triangles of a mesh with planes; parted ones have theirs."""
+    if isinstance(mesh, PartedMesh):
+        return None
+    unit, group = mesh.diagonal or 1.0, mesh.groups
     return piecewise_normals(
-        mesh.unit_points, mesh.faces, faces if welded.groups is None else welded.groups[faces],
-        mesh.orientation.flipped, mesh.normals, parted=parted,
+        mesh.unit_points, mesh.faces, mesh.faces if group is None else group[mesh.faces],
+        mesh.orientation.flipped, mesh.normals,
         edge=mesh.edge_length / unit, grain=_SINGLE * float(np.abs(mesh.vertices).max()) / unit,
     )  # fmt: skip
-
-
-def _with_middles(label: Ints, edges: Ints) -> Ints:
-    """Return labels of vertices, and of the middles of edges: equal where both ends have equal."""
-    pairs = np.sort(label[edges], axis=1)
-    _, same = np.unique(pairs[:, 0] * len(label) + pairs[:, 1], return_inverse=True)
-    return np.concatenate([label, label.max() + 1 + same.ravel()])

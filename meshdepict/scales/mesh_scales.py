@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshdepict.scales.ladder import Progress, reporter
+from meshdepict.scales.patches import patch_sums
 from meshdepict.scales.smoothing import NormalSums
 from meshdepict.scales.space import ScaleSpace
 from meshdepict.shapes.mesh import Mesh
@@ -42,12 +43,11 @@ class MeshSpace(ScaleSpace):
 
         A vertex with no area in reach keeps its value.
         """
-        from meshdepict.sums.gaussian import gaussian_sums
-
         mass = self.shape.unit_areas / (self.shape.unit_areas.max() or 1.0)
         scaled = max(width / (self.shape.diagonal or 1.0), 1e-18)
         channels = np.stack([mass, mass * values])
-        sums = gaussian_sums(self.unit_points, channels, scaled, error=_ERROR)
+        patches = getattr(self.shape, "patches", None)
+        sums = patch_sums(patches, self.unit_points, channels, scaled, error=_ERROR)
         some = sums[0] > 0
         return np.where(some, sums[1] / np.where(some, sums[0], 1), values)
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from meshdepict.scales.patches import patch_sums
 from meshdepict.surface.triangles import mixed_voronoi_areas
 
 if TYPE_CHECKING:
@@ -36,6 +37,7 @@ class NormalSums:
         corner_normals: NDArray[np.float64] | None = None,
     ) -> None:
         self.points = mesh.unit_points
+        self.patches = getattr(mesh, "patches", None)  # beyond a crease is another surface
         self.unit = mesh.diagonal or 1.0
         self.facing = facing
         self.tolerance = tolerance
@@ -63,13 +65,11 @@ class NormalSums:
         self, width: float, reference: NDArray[Any], done: Callable[[float], None] | None
     ) -> NDArray[np.float64]:
         """Return the (3, n) unit normals at one width; ``reference`` are the next finer ones."""
-        from meshdepict.sums.gaussian import gaussian_sums
-
         # A first pass for resultants that are a fair share of the mass …
         error = self.tolerance / 4
         # Narrower than any two distinct positions can be apart, a Gaussian is a single point.
         scaled = max(width / self.unit, 1e-18)
-        sums = gaussian_sums(self.points, self.channels, scaled, error=error, done=done)
+        sums = patch_sums(self.patches, self.points, self.channels, scaled, error=error, done=done)
         vector, mass = self._resultant(sums, reference)
         length = np.linalg.norm(vector, axis=0)
         # … and a second for those that cancel: there the sums must be that much finer.
@@ -78,8 +78,8 @@ class NormalSums:
         weak = some & (error > self.tolerance * share)
         if weak.any():
             finer = float(self.tolerance * share[weak].min())
-            again = gaussian_sums(
-                self.points, self.channels, scaled,
+            again = patch_sums(
+                self.patches, self.points, self.channels, scaled,
                 error=finer, targets=weak, heaviest=float(sums[0].max()),
             )  # fmt: skip
             vector = vector.astype(np.float64)

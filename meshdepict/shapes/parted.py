@@ -15,6 +15,7 @@ from meshdepict.scene.vectors import frozen
 from meshdepict.shapes.document import Document
 from meshdepict.shapes.mesh import Mesh
 from meshdepict.surface.creases import Fans, fans_between_creases, parted_corners
+from meshdepict.surface.edges import connected
 from meshdepict.surface.polygons import Polygons, as_polygons
 
 if TYPE_CHECKING:
@@ -112,13 +113,43 @@ class PartedMesh(Mesh):
         return len(self.vertices) - len(self.before.vertices)
 
     @cached_property
+    def patches(self) -> Ints | None:
+        """For each vertex the patch between creases that it lies on; None: there is but one."""
+        group = self.groups
+        if self.creases is None or group is None:
+            return None
+        a, b, c = group[self.faces].T
+        ends = np.concatenate([a, b]), np.concatenate([b, c])
+        patch = connected(int(group.max()) + 1, *ends)[group]
+        used = np.zeros(len(patch), bool)
+        used[self.faces] = True
+        return frozen(patch) if np.ptp(patch[used]) else None
+
+    @cached_property
     def _sides(self) -> Sides:
         return self.before._sides.renumbered(self.faces, self.source)  # turned as it was
 
     @cached_property
     def normals(self) -> Floats:
-        """(n, 3) unit normals: the known ones, or of each vertex's own side."""
-        return super().normals if self._known is None else frozen(self._known)
+        """(n, 3) unit normals: the known ones, or of each vertex's own side.
+
+        Max's weights grow as triangles shrink: where a tiny one that is folded over decides, and
+        turns a normal by more than a crease, areas do instead.
+        """
+        if self._known is not None:
+            return frozen(self._known)
+        found = super().normals
+        if self.creases is None or self.groups is None:
+            return found
+        a, b, c = self.unit_points[self.outward_faces].swapaxes(0, 1)
+        cross = np.cross(b - a, c - a)
+        group = self.groups[self.faces].ravel()
+        sums = np.stack([np.bincount(group, np.repeat(axis, 3)) for axis in cross.T], axis=1)
+        length = np.linalg.norm(sums, axis=1, keepdims=True)
+        by_area = (sums / np.where(length > 0, length, 1))[self.groups]
+        off = (found * by_area).sum(axis=1) < np.cos(np.radians(self.creases))
+        off &= length[self.groups, 0] > 0
+        return frozen(np.where(off[:, None], by_area, found))
 
 
 def check_creases(creases: Any) -> None:

@@ -119,7 +119,6 @@ def piecewise_normals(
     *,
     edge: float,
     grain: float = 0.0,
-    parted: bool = False,
 ) -> PiecewiseNormals | None:
     """Find the planes, and give normals to triangles; None where no normal of a plane is tilted.
 
@@ -137,8 +136,6 @@ def piecewise_normals(
         Their median length.
     grain : float
         What points are rounded to.
-    parted : bool
-        Whether vertices are parted at creases, so that no normal is tilted there: any plane counts.
     """
     surface = Sides(points, faces, welded, turned, grain)
     if not ((surface.angle > SHARP) & (surface.partner >= 0)).any():
@@ -147,7 +144,7 @@ def piecewise_normals(
     if not flat.any():
         return None
     cosine = np.einsum("mi,mci->mc", plane, normals[faces])
-    if not parted and (cosine[flat] > np.cos(_TILTED)).all():
+    if (cosine[flat] > np.cos(_TILTED)).all():
         return None
     beyond = np.where(surface.partner >= 0, surface.partner // 3, np.arange(len(faces))[:, None])
     beside = flat[:, None] | flat[beyond]
