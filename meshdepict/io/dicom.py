@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -46,7 +47,10 @@ def read_dicom(path: Path, series: str | int | None, *, tilt: str = "resample") 
     notes: list[str] = []
     found = _found(path, series, notes)
     planes, numbers = _planes(found, notes), _Numbers(notes, found)
-    stack = stacked(planes, numbers.same)
+    try:
+        stack = stacked(planes, numbers.same)
+    except MeshdepictError as error:  # what was left out may be why
+        raise MeshdepictError("; ".join([str(error), *notes])) from error
     if stack.copies:
         copy, kept = stack.copies[0]
         notes.append(
@@ -92,7 +96,10 @@ def read_dicom(path: Path, series: str | int | None, *, tilt: str = "resample") 
 def _found(path: Path, series: str | int | None, notes: list[str]) -> list[Slice]:
     """Return the headers of one series, without what is no slice of it."""
     if path.is_dir():
-        found, left_out = headers(sorted(path.rglob("*")))
+        files = sorted(path.rglob("*"))
+        found, left_out = headers(files)
+        if not found:
+            raise MeshdepictError(f"holds no DICOM images{_instead(files, left_out)}")
         found = _chosen(found, series)
     else:
         file = opened(path)
@@ -142,6 +149,20 @@ def _note_parts(found: list[Slice], notes: list[str]) -> None:
             f"its image is spread over {due:,} files, of which {len(found):,} are there: the "
             "others are missing"
         )
+
+
+def _instead(files: list[Path], left_out: list[Path]) -> str:
+    """Return what a folder holds instead of DICOM images, in words that follow these."""
+    if left_out:
+        return f" that can be read: {left_out[0].name} is damaged, or holds none"
+    suffixes = Counter(path.suffix.lower() for path in files if path.is_file())
+    if not suffixes:
+        return ": it has no files"
+    common = suffixes.most_common(1)[0][0]
+    return (
+        f", nor slices as TIFF, BMP, PNG or JPEG: most of its {suffixes.total():,} files are "
+        f"{printable(common)[:20] or 'without a suffix'}"
+    )
 
 
 def _listed(path: Path, records: Sequence[dict[str, str]]) -> list[Path]:

@@ -105,7 +105,7 @@ def _run(data, out):  # type: ignore[no-untyped-def]
 
 
 def check_jpeg(fragments: Sequence[bytes], rows: int, columns: int, bits: int, name: str) -> None:
-    """Refuse JPEG and JPEG-LS that say another size than the file's header.
+    """Refuse JPEG, JPEG-LS and JPEG 2000 that say another size than the file's header.
 
     Raises
     ------
@@ -113,7 +113,7 @@ def check_jpeg(fragments: Sequence[bytes], rows: int, columns: int, bits: int, n
         For a size, a depth or a number of colours that is another.
     """
     for fragment in fragments:
-        said = _jpeg_size(fragment)
+        said = _jpeg_size(fragment) or _jpeg2000_size(fragment)
         if said and said != (rows, columns, 1, said[3]):
             raise MeshdepictError(
                 f"holds a damaged file, {name}: its JPEG part says another size than the header"
@@ -122,6 +122,16 @@ def check_jpeg(fragments: Sequence[bytes], rows: int, columns: int, bits: int, n
             raise MeshdepictError(
                 f"holds a damaged file, {name}: its JPEG part says more bits than the header"
             )
+
+
+def _jpeg2000_size(data: bytes) -> tuple[int, int, int, int] | None:
+    """Return the same of JPEG 2000, −1 columns where its image doesn't begin where tiles do."""
+    if data[:4] != b"\xff\x4f\xff\x51" or len(data) < 45:
+        return None
+    x, y, x0, y0, width, height, tile_x, tile_y, parts = struct.unpack_from(">8IH", data, 8)
+    depth, step_x, step_y = data[42:45]
+    tiled = x0 == y0 == tile_x == tile_y == 0 and width and height and step_x == step_y == 1
+    return y, x if tiled else -1, parts, (depth & 0x7F) + 1
 
 
 def _jpeg_size(data: bytes) -> tuple[int, int, int, int] | None:

@@ -203,7 +203,7 @@ def _place(header: _Header) -> tuple[dict[str, Any], str]:
             if lows and all(map(math.isfinite, lows)):
                 place["origin"] = np.array(lows)
     text = fields.get("space units", "") if ways else fields.get("units", "")
-    units = [length_unit(word) for word in re.findall(r'"([^"]*)"', text)][:3] or [""]
+    units = [length_unit(word) for word in _quoted(text)][:3] or [""]
     if len(set(units)) > 1 and all(units) and len(units) == 3:  # axes in several units
         scale = np.array([MILLIMETRES[unit] / MILLIMETRES[units[0]] for unit in units])
         for name in ("steps", "spacing", "origin"):
@@ -211,6 +211,11 @@ def _place(header: _Header) -> tuple[dict[str, Any], str]:
                 shape = (3, 1) if name == "steps" else (3,)
                 place[name] = place[name] * scale.reshape(shape)
     return place, units[0] if all(units) else ""
+
+
+def _quoted(text: str) -> list[str]:
+    """Return words in quotation marks, which some programs forget."""
+    return re.findall(r'"([^"]*)"', text) if '"' in text else text.split()
 
 
 def _vectors(header: _Header) -> list[NDArray[np.float64] | None]:

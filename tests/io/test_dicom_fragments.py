@@ -127,3 +127,24 @@ def test_jpeg_of_all_kinds_says_its_size_behind_other_parts(marker):
     for wrong in ((65, 48, 1, 12), (64, 49, 1, 12), (64, 48, 3, 8), (64, 48, 1, 17)):
         with pytest.raises(MeshdepictError, match=r"a\.dcm: its JPEG part says"):
             check_jpeg([jpeg(64, 48, 1, 12), jpeg(*wrong)], 64, 48, 16, "a.dcm")
+
+
+def test_jpeg_2000_says_its_size_too():
+    def codestream(*numbers, depth=11, steps=(1, 1)):
+        siz = struct.pack(">HH8IH", 41, 0, *numbers)
+        return b"\xff\x4f\xff\x51" + siz + bytes([depth, *steps]) + bytes(9)
+
+    check_jpeg([codestream(48, 64, 0, 0, 48, 64, 0, 0, 1)], 64, 48, 16, "a.dcm")
+    check_jpeg([codestream(48, 64, 0, 0, 32, 32, 0, 0, 1)], 64, 48, 16, "a.dcm")
+    for wrong in (
+        codestream(49, 64, 0, 0, 48, 64, 0, 0, 1),
+        codestream(48, 65, 0, 0, 48, 64, 0, 0, 1),
+        codestream(48, 64, 1, 0, 48, 64, 0, 0, 1),
+        codestream(48, 64, 0, 0, 0, 64, 0, 0, 1),
+        codestream(48, 64, 0, 0, 48, 64, 7, 0, 1),
+        codestream(48, 64, 0, 0, 48, 64, 0, 0, 3),
+        codestream(48, 64, 0, 0, 48, 64, 0, 0, 1, depth=16),
+        codestream(48, 64, 0, 0, 48, 64, 0, 0, 1, steps=(2, 1)),
+    ):
+        with pytest.raises(MeshdepictError, match=r"a\.dcm: its JPEG part says"):
+            check_jpeg([wrong], 64, 48, 16, "a.dcm")

@@ -779,3 +779,27 @@ def test_parts_may_be_compressed_and_rescaled_each_by_itself(tmp_path):
     found = read_volume(tmp_path).values
     np.testing.assert_array_equal(found[:3], wanted.values[:3])
     np.testing.assert_allclose(found[3:], raw[3:] * 0.5 - 1024.0)
+
+
+# --- what else a folder may hold --------------------------------------------------------------
+
+
+def test_a_damaged_slice_is_named_where_it_is_missed(series):
+    path = sorted(series.iterdir())[1]
+    path.write_bytes(path.read_bytes()[:-20])
+    sentence = rf"a slice is missing between .* damaged, are left out: 1, the first {path.name}"
+    with pytest.raises(MeshdepictError, match=sentence):
+        read_volume(series)
+
+
+def test_a_folder_without_dicom_says_what_it_holds_instead(tmp_path):
+    with pytest.raises(MeshdepictError, match="holds no DICOM images: it has no files"):
+        read_volume(tmp_path)
+    for number in range(3):
+        (tmp_path / f"{number}.webp").write_bytes(b"RIFF")
+    (tmp_path / "notes.txt").write_text("none", encoding="utf-8")
+    with pytest.raises(MeshdepictError, match=r"most of its 4 files are \.webp"):
+        read_volume(tmp_path)
+    (tmp_path / "a.dcm").write_bytes(bytes(128) + b"DICM" + bytes(3))
+    with pytest.raises(MeshdepictError, match=r"can be read: a\.dcm is damaged, or holds none"):
+        read_volume(tmp_path)

@@ -187,7 +187,8 @@ def test_nifti_without_any_place_says_so(tmp_path):
 @pytest.mark.parametrize(
     ("spelt", "name"),
     [('"mm" "mm" "mm"', "mm"), ('"um" "um" "um"', "µm"), ('"µm" "μm" "micron"', "µm"),
-     ('"M" "m" "meter"', "m"), ('"pixel" "pixel" "pixel"', ""), ('"mm" "" ""', ""), (None, "")],
+     ('"M" "m" "meter"', "m"), ('"pixel" "pixel" "pixel"', ""),
+     ('"mm" "" ""', ""), ("um um um", "µm"), (None, "")],
 )  # fmt: skip
 def test_nrrd_says_its_unit_or_has_none(tmp_path, spelt, name):
     volume = read_volume(write_nrrd(tmp_path / "a.nrrd", DATA, space_units=spelt))
