@@ -172,10 +172,10 @@ def voxel_shading(
 
     look = look.posed(shape)
     up, (scales, ratio) = look.axis(shape.kind), look.ladder
+    eye = look.eye(shape)
     if widths is None:
         check_ladder(scales, ratio, 0, look.tolerance)
-        widths = ladder(scales, ratio, resolve_width(look.width, shape))
-    eye = look.eye(shape)
+        widths = ladder(scales, ratio, resolve_width(look.width, shape, eye))
     return VoxelShading(
         shape=shape,
         look=look,
