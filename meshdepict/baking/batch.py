@@ -200,7 +200,7 @@ class Batch:
     def _show_first(self, baked: Baked, job: Job) -> Job:
         """Draw before and after; where nothing can be drawn, leave the picture out with a note."""
         assert job.picture is not None
-        before = bake_surface(baked.shape, self.look.replace(method=_BEFORE))
+        before = bake_surface(baked.shape, self.taken[-1].replace(method=_BEFORE))
         captions = f"before: {_BEFORE}", f"after: {self.look.method}"
         try:
             image = before_after((before, baked), captions)

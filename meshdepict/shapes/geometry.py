@@ -160,7 +160,7 @@ class Geometry:
         Groups are numbered from 0 without gaps.
         """
         if self._groups is not None:
-            return frozen(self._groups)
+            return self._groups
         position = same_position(self._sides.points)
         if position is None:
             return None

@@ -18,6 +18,7 @@ from meshdepict.surface.mesh_input import (
     as_vertices,
     check_indices,
     checked_attributes,
+    checked_groups,
     place_strays,
 )
 from meshdepict.surface.polygons import FacesLike, as_polygons, triangulate
@@ -102,7 +103,7 @@ class Mesh(Geometry):
         self.winding = winding
         self.document = document
         self.length_unit = length_unit
-        self._groups = groups
+        self._groups = None if groups is None else checked_groups(groups, len(self.vertices))
         for array in (self.vertices, self.faces, self._owner, *polygons):
             array.setflags(write=False)
 

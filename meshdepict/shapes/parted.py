@@ -105,7 +105,7 @@ class PartedMesh(Mesh):
         )
         self.source = source
         self.creases, self.chosen_normals = creases, "computed" if normals is None else "file"
-        self.before, self._known = mesh, normals
+        self.before, self._known = mesh, None if normals is None else frozen(normals)
 
     @property
     def added(self) -> int:
@@ -137,7 +137,7 @@ class PartedMesh(Mesh):
         turns a normal by more than a crease, areas do instead.
         """
         if self._known is not None:
-            return frozen(self._known)
+            return self._known
         found = super().normals
         if self.creases is None or self.groups is None:
             return found

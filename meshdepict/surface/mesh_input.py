@@ -12,7 +12,10 @@ from meshdepict.errors import MeshdepictError
 from meshdepict.scene.vectors import frozen
 from meshdepict.surface.polygons import Polygons
 
-__all__ = ["as_vertices", "check_indices", "checked_attributes", "is_drawable", "place_strays"]
+__all__ = [
+    "as_vertices", "check_indices", "checked_attributes", "checked_groups", "is_drawable",
+    "place_strays",
+]  # fmt: skip
 
 Floats = NDArray[np.float64]
 
@@ -134,3 +137,23 @@ def checked_attributes(
                 )
             checked[element][name] = frozen(array)
     return checked
+
+
+def checked_groups(given: object, count: int) -> NDArray[np.int64]:
+    """Return a group for each of so many vertices, as a new read-only array.
+
+    Raises
+    ------
+    MeshdepictError
+        For anything but whole numbers from 0 that leave none out, one for each vertex.
+    """
+    try:
+        array = np.array(given)
+    except ValueError:  # NumPy refuses rows of different lengths
+        array = np.empty(0)
+    proper = array.shape == (count,) and array.dtype.kind in "iu" and array.min() >= 0
+    if not proper or array.max() >= count or not np.bincount(array).all():
+        raise MeshdepictError(
+            f"groups must be {count:,} whole numbers from 0 without gaps, one for each vertex"
+        )
+    return frozen(array.astype(np.int64))

@@ -207,3 +207,20 @@ def test_fandisk(data):
     assert back.sum() > 100
     np.testing.assert_allclose(np.abs(parted.normals[parted.faces[back]][..., 2]), 1, atol=1e-9)
     assert np.abs(mesh.normals[mesh.faces[back]][..., 2]).min() < 0.8
+
+
+def test_vertices_share_what_they_are_told_to():
+    points, faces = extruded([(0, 0), (1, 0), (1, 1), (0, 1)])
+    doubled = md.Mesh(np.concatenate([points, points]), [*faces, [8, 9, 10, 11]], winding="keep")
+    alone = md.Mesh(doubled.vertices, doubled.polygons, winding="keep", groups=range(16))
+    assert len(np.unique(doubled.groups)) < 16
+    np.testing.assert_array_equal(alone.groups, np.arange(16))
+    np.testing.assert_allclose(alone.normals[8:12], np.broadcast_to((0, 0, 1), (4, 3)), atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    "groups", [[0, 1], [0.0] * 8, range(1, 9), [-1] * 8, [[0] * 8], [0] * 7 + [2], [[0], [0, 1]]]
+)
+def test_what_are_no_groups(groups):
+    with pytest.raises(md.MeshdepictError, match="groups must be 8 whole numbers from 0 without"):
+        md.Mesh(box().vertices, box().polygons, groups=groups)
