@@ -138,14 +138,17 @@ def lla8(stage: Stage) -> Image.Image:
     for words, name in (("c", "bunny"), ("d", "dragon")):
         shot = stage.look(name)
         row = []
-        for term, material in (("transmitted", "lambert"), ("with specular", "cook_torrance")):
+        sky = shot.environment("venice_sunset_1k")
+        for term, lights, material, background, exposure in (
+            ("transmitted", [(315, -65), (315, 45)], "lambert", 0.0, 1.5),
+            ("with specular and background", sky, "cook_torrance", 0.5, 0.35),
+        ):
             for state, share in (("original", 0.0), ("enhanced", 1.0)):
                 strengths = tuple(share * s for s in (0.7, 0.3, 0.25, 0.6))
-                lights = [(315, -65), (315, 45)]
                 shown = aligned(
                     shot, (0.0,) * 4, lights, material=material, transmitted=1.0, diffuse=0.0,
                     transmitted_strength=strengths, specular_strength=0.0, frosting=0.25,
-                    exposure=1.5,
+                    background=background, exposure=exposure,
                 )  # fmt: skip
                 row.append((f"{words}) {term}, {state}", shown))
         rows.append(row)

@@ -30,7 +30,8 @@ from meshdepict.shading.features import LightCount, Parameter, eyes, sight
 from meshdepict.shading.lobes import aligned_lobes
 from meshdepict.shading.material_kinds import PHONG
 from meshdepict.shading.method import Exposure, exposed, method, require_smoothing
-from meshdepict.shading.transmission import refracted, rough_transmission
+from meshdepict.shading.seen_through import background_light, transmitted_guides
+from meshdepict.shading.transmission import rough_transmission
 
 __all__ = ["align", "confidence", "light_alignment", "transition"]
 
@@ -160,6 +161,10 @@ def light_alignment(
     frosting: Annotated[
         float, Range(0.01, 1, help="roughness of the surface that light comes through")
     ] = 0.3,
+    background: Annotated[
+        float,
+        Range(0, 1e6, help="weight of what shows through: the environment, or white", soft=(0, 1)),
+    ] = 0.0,
     lights: LightCount = 54,
     exposure: Exposure = 1.0,
 ) -> NDArray[np.float32]:
@@ -191,6 +196,9 @@ def light_alignment(
     transmitted, refraction, frosting : float
         Weight, index and roughness of rough transmission (Walter et al. 2007), which shows light
         from behind.
+    background : float
+        Weight of the background seen through the surface by the same index and roughness (fig. 8):
+        an Environment's radiance, or white behind lights of other kinds. It has no light to align.
 
     Raises
     ------
@@ -230,6 +238,13 @@ def light_alignment(
                 count=lights, sharpness=sharpness,
                 strengths=per_scale(space, specular_strength, "specular_strength"),
             )  # fmt: skip
+    if background:
+        own = space.planes[0]
+        for environment in environments or [None]:
+            total = total + np.float32(background) * background_light(
+                own, visible_eye(own, eyes(space, eye)), environment,
+                refraction=refraction, frosting=frosting,
+            )  # fmt: skip
     return exposed(total[:, 0] if total.shape[1] == 1 else total, exposure)
 
 
@@ -260,7 +275,7 @@ def _terms(
     found: dict[str, Term] = {"matt": matt}
     if transmitted == 0 and isinstance(surface, Lambert):
         return found
-    eye = eye - 2 * np.minimum(_dot(finest, eye), 0) * finest
+    eye = visible_eye(finest, eye)
     if not isinstance(surface, Lambert):
         reflected = np.stack([2 * _dot(n, eye) * n - eye for n in normals])
 
@@ -270,7 +285,7 @@ def _terms(
 
         found["glossy"] = glossy
     if transmitted > 0:
-        through = np.stack([refracted(n, eye, 1 / refraction) for n in normals])
+        through = transmitted_guides(normals, eye, refraction)
 
         def clear(light: NDArray[Any]) -> NDArray[np.float32]:
             turned = align_chain(through, light, transmitted_strength, sharpness)
@@ -281,6 +296,11 @@ def _terms(
 
         found["clear"] = clear
     return found
+
+
+def visible_eye(normals: NDArray[np.float32], eye: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Return the eye (3, n), mirrored in the tangent plane of points that face away from it."""
+    return eye - np.float32(2) * np.minimum(_dot(normals, eye), np.float32(0)) * normals
 
 
 def per_scale(space: ScaleSpace, strength: float | Sequence[float], name: str) -> NDArray[Any]:

@@ -102,6 +102,6 @@ LIGHT_ALIGNMENT = LiveMethod(
     bits=_BITS,
     uniforms=_uniforms,
     defines=lambda options: material_defines(live_material(options)),
-    only={"transmitted": (0.0,)},
+    only={"transmitted": (0.0,), "background": (0.0,)},
     several=True,
 )
