@@ -14,7 +14,8 @@ import numpy as np
 
 from meshdepict.baking.baked import Baked
 from meshdepict.baking.choices import LADDER
-from meshdepict.baking.look import bake
+from meshdepict.baking.look import Look, bake
+from meshdepict.baking.pixel_widths import measured
 from meshdepict.baking.surfaces import as_mesh
 from meshdepict.errors import MeshdepictError
 from meshdepict.options import check, nearest, options_of
@@ -22,6 +23,7 @@ from meshdepict.scales.making import scale_space
 from meshdepict.scales.space import ScaleSpace
 from meshdepict.shading.method import declaration
 from meshdepict.shading.registry import METHODS, find_method
+from meshdepict.shapes.lengths import counts_pixels
 from meshdepict.shapes.sheet import SCALARS, height_sheet, scalar_array
 
 if TYPE_CHECKING:
@@ -98,6 +100,8 @@ class Depict:
         # The file's own colours may change where the geometry doesn't: no memory of those.
         fresh = settings.get("albedo") == "keep" and kind == "mesh"
         surface = self._kept(scalars) if not fresh else _surface_of(dataset, None)
+        if counts_pixels(settings.get("width")):
+            settings["width"] = measured(Look(method, **settings), surface.mesh).width
         ladder = {name: settings.pop(name) for name in LADDER if name in settings}
         baked = bake(surface.space(declaration(function), ladder), method, **settings)
         result = _dressed(dataset, surface, baked)
@@ -113,7 +117,8 @@ class Depict:
         image = self._dataset
         where, name = scalar_array(image, scalars)
         declared = declaration(find_method(method))
-        ladder = tuple(settings.get(key) for key in ("transfer", *LADDER))
+        seen = ("view", "up") if counts_pixels(settings.get("width")) else ()
+        ladder = tuple(settings.get(key) for key in ("transfer", *LADDER, *seen))
         key = _stamp(image, scalars), declared.scales, declared.ratio, ladder
         if key == self._voxels[0]:
             shape = self._voxels[1]

@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING
 
 from meshdepict.baking.baked import Baked
 from meshdepict.baking.look import Look
+from meshdepict.baking.pixel_widths import measured
 from meshdepict.baking.provenance import fitted_text
 from meshdepict.baking.refinement import worth_refining
 from meshdepict.baking.smearing import CREASES, NOTEWORTHY, smeared_share
@@ -184,6 +185,7 @@ class Batch:
             look = self.look.posed(mesh)
             if job.picture:
                 self._check_fit(mesh, look)
+            look = measured(look, mesh, self.figure if job.picture else None)
             baked = bake_surface(mesh, look, progress=progress)
             self.taken.append(look)
             baked.save(job.output)

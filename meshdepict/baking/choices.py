@@ -137,8 +137,9 @@ class Choices:
     )
     width: float | str | None = _choice(
         None,
-        "First smoothing width in the file's units, or a share of the diagonal such as 0.2%; "
-        "unless given, the median edge, or the largest distance of voxels.",
+        "First smoothing width in the file's units, a share of the diagonal such as 0.2%, pixels "
+        "of the picture such as 3px, or the larger of two such as 0.2%,3px; unless given, the "
+        "median edge, or the largest distance of voxels.",
         group="Detail",
     )
     ratio: float | None = _choice(None, "From one width to the next.", group="Detail")

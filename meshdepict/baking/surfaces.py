@@ -55,7 +55,7 @@ def bake_surface(shape: object, look: Choices, *, progress: Progress | None = No
     else:
         space = scale_space(
             mesh, scales=scales, width=look.width, ratio=ratio, facing=look.facing,
-            tolerance=look.tolerance, progress=progress,
+            tolerance=look.tolerance, view=eye, progress=progress,
         )  # fmt: skip
     look = look.settled(space)
     if space is not shape and not look.two_sided:  # viewers turn what they show

@@ -208,10 +208,10 @@ def voxel_shading(
 
     look = look.posed(shape)
     scales, ratio = look.ladder
+    eye = look.eye(shape)
     if widths is None:
         check_ladder(scales, ratio, 0, look.tolerance)
-        widths = ladder(scales, ratio, resolve_width(look.width, shape))
-    eye = look.eye(shape)
+        widths = ladder(scales, ratio, resolve_width(look.width, shape, eye))
     return VoxelShading(
         shape=shape,
         look=look,

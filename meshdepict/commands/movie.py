@@ -63,6 +63,8 @@ def movie(
         Frames per second.
     """
     from meshdepict.baking.batch import stem
+    from meshdepict.baking.pixel_widths import measured
+    from meshdepict.baking.surfaces import as_mesh
     from meshdepict.baking.targets import check_target, identities
     from meshdepict.console import notes, progress_bar, say
     from meshdepict.drawing.movie import check_movie, save_movie
@@ -84,7 +86,8 @@ def movie(
     if source is not None and not os.path.exists(source):
         raise MeshdepictError(f"{source}: there is no such file")
     with notes(source, quiet=quiet), progress_bar(stem(source), quiet=quiet) as progress:
-        shape = samples.golf_ball() if source is None else source
+        shape = samples.golf_ball() if source is None else as_mesh(source)
+        wanted = measured(wanted, shape, pages, turning=turn == "object")
         session = Session(shape, wanted.function, progress=progress, **wanted.words())
         save_movie(session, output, progress=progress, **motion)
     taken = time.perf_counter() - start

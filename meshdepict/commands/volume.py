@@ -131,6 +131,7 @@ def _shade_surface(
     figure: Figure,
 ) -> str:
     """Bake the isosurface, write what is asked for and say what it was."""
+    from meshdepict.baking.pixel_widths import measured
     from meshdepict.baking.provenance import fitted_text
     from meshdepict.baking.surfaces import bake_surface
     from meshdepict.drawing.picture import save_picture
@@ -139,6 +140,7 @@ def _shade_surface(
     look = look.posed(grid).replace(transfer=None)
     look = look.replace(up=look.axis(grid.kind))
     surface = isosurface(grid, value)
+    look = measured(look, surface, None if picture is None else figure)
     done = bake_surface(surface, look, progress=progress)
     if output is not None:
         done.save(output)
@@ -159,12 +161,14 @@ def _shade_voxels(
     figure: Figure,
 ) -> str:
     """Bake the voxels, write what is asked for and say how many they were."""
+    from meshdepict.baking.pixel_widths import measured
     from meshdepict.baking.provenance import fitted_text
     from meshdepict.baking.volumes import bake_grid
     from meshdepict.drawing.picture import write_picture
     from meshdepict.drawing.slices import draw_slice
     from meshdepict.drawing.volume_picture import save_volume_picture
 
+    look = measured(look, grid, None if picture is None else figure)
     baked = bake_grid(grid, look, progress=progress)
     if output is not None:
         baked.save(output)

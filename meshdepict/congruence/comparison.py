@@ -181,7 +181,7 @@ def compare(
         "scales": scales, "width": width, "ratio": ratio, "facing": facing, "tolerance": tolerance,
     }  # fmt: skip
     half = (lambda done, total: progress(done / total * steps, 2 * steps)) if progress else None
-    space = scale_space(buffer if per_pixel else mesh, **smoothing, progress=half)
+    space = scale_space(buffer if per_pixel else mesh, **smoothing, view=eye, progress=half)
 
     def shaded(function: Shading, lamp: Light, options: Mapping[str, Any]) -> NDArray[Any]:
         values = Look(function, **options).shade(space, lamp, eye)

@@ -10,6 +10,8 @@ from numpy.typing import NDArray
 from meshdepict.errors import MeshdepictError
 from meshdepict.scales.ladder import FACING, TOLERANCE, Progress, check_ladder, ladder
 from meshdepict.scales.space import ScaleSpace
+from meshdepict.scene.names import as_view
+from meshdepict.scene.view import View
 from meshdepict.shapes.gbuffer import GBuffer
 from meshdepict.shapes.lengths import resolve_width
 from meshdepict.shapes.mesh import Mesh
@@ -26,6 +28,7 @@ def scale_space(
     ratio: float = math.sqrt(2),
     facing: int = FACING,
     tolerance: float = TOLERANCE,
+    view: View | str | None = None,
     progress: Progress | None = None,
 ) -> ScaleSpace:
     """Smooth the normals of a shape at a geometric series of widths (Exaggerated Shading, §3).
@@ -40,8 +43,8 @@ def scale_space(
     scales : int
         Number of smoothed sets, ≥ 0; the original normals come before them.
     width : float or str, optional
-        First width σ_1 in world units, or "0.2%" of the bounding box's diagonal.
-        Default: the median edge length.
+        First width σ_1 in world units, "0.2%" of the bounding box's diagonal, "3px" of a view, or
+        the larger of two: "0.2%,3px". Default: the median edge length.
     ratio : float
         From one width to the next, > 1; √2 in Exaggerated Shading, 1.7 in Local Light Alignment.
     facing : {0, 1}
@@ -50,6 +53,8 @@ def scale_space(
     tolerance : float
         Largest angular error of a normal in radians, 1e-7 … 0.1. Images have their own; see
         `bilateral`.
+    view : View or str, optional
+        Whose pixels a width counts, at the middle of the shape; images have their own.
     progress : callable, optional
         ``progress(done, total)``, called as the work goes on.
 
@@ -71,7 +76,8 @@ def scale_space(
         raise MeshdepictError(
             f"a {type(shape).__name__} has no scale space: give a Mesh, a Volume or a GBuffer"
         )
-    widths = ladder(scales, ratio, resolve_width(width, shape))
+    eye = None if view is None else as_view(view, shape)
+    widths = ladder(scales, ratio, resolve_width(width, shape, eye))
     if isinstance(shape, Volume):
         from meshdepict.scales.grid_scales import grid_space
 

@@ -1,4 +1,9 @@
-"""Lengths as people write them: in world units, as a share of the diagonal, or not at all."""
+"""Lengths as people write them: in world units, shares of the diagonal, pixels, or not at all.
+
+Light Warping smooths slopes over pixels, so that what is small in the picture vanishes: from afar
+a pixel, and with it the width, covers more of the surface. A width may be given in pixels for that;
+where another length is given beside it, the larger of the two counts.
+"""
 
 from __future__ import annotations
 
@@ -8,36 +13,49 @@ import warnings
 from meshdepict.errors import MeshdepictError, MeshdepictWarning
 from meshdepict.options import real
 from meshdepict.scene.shape import Shape
+from meshdepict.scene.view import View
 
-__all__ = ["resolve_width"]
+__all__ = ["counts_pixels", "pixel_size", "resolve_width"]
+
+_PIXELS = "px"
 
 
-def resolve_width(width: float | str | None, shape: Shape) -> float:
-    """Return a width in world units: a number, "0.2%" of the diagonal, or None.
+def resolve_width(width: float | str | None, shape: Shape, view: View | None = None) -> float:
+    """Return a width in world units: a number, "0.2%" of the diagonal, "3px" of a view, or None.
 
-    None is the shape's own step: a mesh's median edge, a volume's largest spacing, a pixel.
+    None is the shape's own step: a mesh's median edge, a volume's largest spacing, a pixel. Of
+    "0.2%,3px" and "0.5,3px" the larger one counts.
+
+    Parameters
+    ----------
+    width : float, str or None
+    shape : Mesh, Volume or GBuffer
+        An image has pixels of its own.
+    view : View, optional
+        Whose pixels are meant; see `pixel_size`.
 
     Raises
     ------
     MeshdepictError
-        For what is no positive length. One beyond the shape is taken, with a warning.
+        For what is no positive length, and for pixels where no view says how large they are. One
+        beyond the shape is taken, with a warning.
     """
     if width is None:
         return float(shape.edge_length)
-    try:
-        if not isinstance(width, str):
-            resolved = real(width) or math.nan
-        elif width.strip().endswith("%"):
-            resolved = float(width.strip()[:-1]) / 100 * shape.diagonal
-        else:
-            resolved = float(width)
-    except ValueError:
-        resolved = math.nan
-    if not (0 < resolved < math.inf):
+    if isinstance(width, str):
+        parts = [part.strip() for part in width.split(",")]
+        # One number and one of pixels: "1,5" is no length, and surely not 5.
+        if len(parts) > 2 or (len(parts) == 2 and sum(map(counts_pixels, parts)) != 1):
+            parts = [""]
+        lengths = [_length(part, shape, view) for part in parts]
+    else:
+        lengths = [real(width) or math.nan]
+    if not all(0 < length < math.inf for length in lengths):
         raise MeshdepictError(
-            f"width={width!r} is not a positive length, such as 0.5 (world units) or '0.2%' "
-            "(of the diagonal)"
+            f"width={width!r} is not a positive length, such as 0.5 (world units), '0.2%' (of the "
+            "diagonal), '3px' (pixels of the view) or '0.2%,3px' (the larger)"
         )
+    resolved = max(lengths)
     if resolved > shape.diagonal > 0:
         warnings.warn(
             f"width={width!r} is more than the object's diagonal of {shape.diagonal:.4g}: every "
@@ -47,3 +65,51 @@ def resolve_width(width: float | str | None, shape: Shape) -> float:
             stacklevel=4,
         )
     return resolved
+
+
+def counts_pixels(width: object) -> bool:
+    """Whether a width, as it is written, counts pixels."""
+    return isinstance(width, str) and any(
+        part.strip().endswith(_PIXELS) for part in width.split(",")
+    )
+
+
+def pixel_size(shape: Shape, view: View | None) -> float:
+    """Return the world size of a pixel: an image's own, else a view's at the middle of the shape.
+
+    A picture of another height than the view's `height_px` has other pixels.
+
+    Raises
+    ------
+    MeshdepictError
+        Without a view, and where the middle of the shape is not before its eye.
+    """
+    if shape.kind == "image":
+        return float(shape.edge_length)
+    if view is None:
+        raise MeshdepictError(
+            "a width in pixels needs a view, which says how large they are, and none is known "
+            'here: give one (scale_space(…, view="front")), or a width in world units'
+        )
+    if view.parallel_scale is not None:
+        return 2 * float(view.parallel_scale) / view.height_px
+    assert view.field_of_view is not None  # every view has the one or the other
+    depth = float((view.position - shape.centre) @ view.towards_eye)
+    if depth <= 0:
+        raise MeshdepictError(
+            "a width in pixels needs an eye before the object, whose middle lies behind this "
+            "view's: move the eye away, or give a width in world units"
+        )
+    return 2 * depth * math.tan(math.radians(view.field_of_view) / 2) / view.height_px
+
+
+def _length(text: str, shape: Shape, view: View | None) -> float:
+    """Return what one text stands for, NaN where it is no number."""
+    unit = next((unit for unit in ("%", _PIXELS) if text.endswith(unit)), "")
+    try:
+        number = float(text.removesuffix(unit))
+    except ValueError:
+        return math.nan
+    if unit == _PIXELS:
+        return number * pixel_size(shape, view)
+    return number / 100 * shape.diagonal if unit else number

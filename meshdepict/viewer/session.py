@@ -15,6 +15,7 @@ from meshdepict import color
 from meshdepict.baking.baked import Baked
 from meshdepict.baking.choices import Choices, choice_fields
 from meshdepict.baking.look import Look, bake
+from meshdepict.baking.pixel_widths import measured
 from meshdepict.baking.surfaces import as_mesh
 from meshdepict.errors import MeshdepictError
 from meshdepict.options import check, options_of
@@ -78,7 +79,7 @@ class Session:
         """Choose what a look says."""
         refuse_unshown(look)
         look.of_kind(self.shape.kind)  # refuses what is about other kinds
-        self._asked = look = look.posed(self.shape)
+        self._asked = look = measured(look.posed(self.shape), self.shape)
         self.up = look.axis(self.shape.kind)
         self.view = look.eye(self.shape)
         self._lit_from = self.view if look.light is None else None
