@@ -240,9 +240,9 @@ def light_alignment(
             )  # fmt: skip
     if background:
         own = space.planes[0]
-        for environment in environments or [None]:
+        for sky in environments or (None,):
             total = total + np.float32(background) * background_light(
-                own, visible_eye(own, eyes(space, eye)), environment,
+                own, visible_eye(own, eyes(space, eye)), sky,
                 refraction=refraction, frosting=frosting,
             )  # fmt: skip
     return exposed(total[:, 0] if total.shape[1] == 1 else total, exposure)
