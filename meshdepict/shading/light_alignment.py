@@ -239,11 +239,12 @@ def light_alignment(
                 strengths=per_scale(space, specular_strength, "specular_strength"),
             )  # fmt: skip
     if background:
-        behind = background_light(
-            space.planes[0], visible_eye(space.planes[0], eyes(space, eye)), light,
-            refraction=refraction, frosting=frosting,
-        )  # fmt: skip
-        total = total + np.float32(background) * behind
+        own = space.planes[0]
+        for sky in environments or (None,):
+            total = total + np.float32(background) * background_light(
+                own, visible_eye(own, eyes(space, eye)), sky,
+                refraction=refraction, frosting=frosting,
+            )  # fmt: skip
     return exposed(total[:, 0] if total.shape[1] == 1 else total, exposure)
 
 

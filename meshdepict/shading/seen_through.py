@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -49,20 +47,24 @@ def transmitted_guides(planes: Single, eye: Single, refraction: float) -> Single
 
 
 def background_light(
-    normals: Single, eye: Single, light: Any, *, refraction: float, frosting: float
+    normals: Single,
+    eye: Single,
+    environment: Environment | None,
+    *,
+    refraction: float,
+    frosting: float,
 ) -> Single:
     """Return what a surface lets through of what lies behind it, unaligned (fig. 8, right pairs).
 
     One refraction at the front, as through thin solid glass: (1 − F(n·e)) L(t), L of an Environment
-    blurred by what microfacets of slope α bend the view, α (1 − 1/η); the lights of any other kind
-    have an even white behind them.
+    blurred by what microfacets of slope α bend the view, α (1 − 1/η); without one an even white.
 
     Parameters
     ----------
     normals : (3, n) array
     eye : (3, n) array
         As for `transmitted_guides`.
-    light : Environment or any other light
+    environment : Environment, optional
     refraction, frosting : float
         η and α.
 
@@ -72,7 +74,7 @@ def background_light(
     """
     cosine = np.clip((normals * eye).sum(axis=0), 0, 1)
     share = (1 - fresnel(cosine, refraction)).astype(np.float32)[:, None]
-    if not isinstance(light, Environment):
+    if environment is None:
         return share
     through = transmitted_guides(normals[None], eye, refraction)[0]
-    return share * light.lookup(through.T, blur=frosting * (1 - 1 / refraction))
+    return share * environment.lookup(through.T, blur=frosting * (1 - 1 / refraction))

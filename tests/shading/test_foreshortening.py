@@ -72,6 +72,7 @@ def test_radiance_scaling_of_a_sphere_has_both_limits(ball, power):
 def test_light_warping_of_a_sphere_has_both_limits(ball, power):
     options = {
         "view": VIEW, "curvature": "view", "gain": 100, "foreshortening": power, "exposure": 0.1,
+        "magnitude": 6.0,
     }  # fmt: skip
     plain, brighter = (
         shading.light_warping(ball, "front", **options, contrast=contrast) for contrast in (0, -1)
