@@ -177,6 +177,15 @@ def test_impossible_bits_are_said_of_compressed_pixels_too(tmp_path):
             read_volume(path)
 
 
+@pytest.mark.parametrize("kind", ["f4", "f8"])
+def test_signalling_nan_in_pictures_are_nothing_there(tmp_path, kind):
+    normals = np.zeros((4, 5, 3))
+    normals[..., 2] = 1
+    np.save(tmp_path / "normals.npy", signalling(normals, (1, 2, 0), kind))
+    found = md.GBuffer.from_images(tmp_path / "normals.npy")
+    assert np.isfinite(md.bake(found, "lambert").intensity).all()
+
+
 def test_quiet_numbers_are_the_same_numbers():
     from meshdepict.files.any_numbers import quiet
 
