@@ -118,6 +118,8 @@ def _page(file: BinaryIO, at: int, most: int, order: str, *, is_big: bool) -> tu
         if name is None or kind not in _SIZES or floats:
             continue
         (number,) = struct.unpack_from(order + letter, table, entry * length + 4)
+        if not number:  # an entry of nothing is none
+            continue
         needed = number * _SIZES[kind]
         place = entry * length + 4 + struct.calcsize(order + letter)
         if needed > (8 if is_big else 4):

@@ -85,8 +85,9 @@ def _plain(path: Path, pages: list[Page], scale: Scale, notes: list[str]) -> NDA
     rows, columns = first.shape
     slice_ = rows * columns * kind.itemsize
     if len(pages) == 1 and scale.slices > 1:  # ImageJ's way round TIFF's 4 GB
-        offsets = first.entries.get("offsets", [0])
-        start = int(offsets[0])
+        start = first.get("offsets", 0)
+        if not start:
+            raise MeshdepictError(f"is damaged: {path.name} doesn't say where its pixels are")
         there = min(max(size - start, 0), scale.slices * slice_)  # its directory is behind them
         check_amount((columns, rows, scale.slices), kind.itemsize, there, [])
         return np.fromfile(path, kind, scale.slices * rows * columns, offset=start).reshape(

@@ -164,6 +164,31 @@ def test_a_size_that_is_no_whole_number_is_none_in_tiff(tmp_path):
             read_volume(tmp_path / "a.tif")
 
 
+@pytest.mark.parametrize(
+    ("tag", "kind", "sentence"),
+    [(256, 4, "no page with pixels"), (257, 4, "no page with pixels"), (273, 4, "where its pixels"),
+     (258, 3, "has 1 bits in a pixel"), (259, 3, ""), (262, 3, ""), (277, 3, ""), (279, 4, "")],
+)  # fmt: skip
+def test_an_entry_of_nothing_is_none_in_tiff(tmp_path, tag, kind, sentence):
+    pages = np.arange(120, dtype=np.uint8).reshape(1, 24, 5)
+    data = bytearray(tiff(pages, first={270: (2, b"ImageJ=1.5\nimages=6\nslices=6\n")}))
+    rows = data.find(struct.pack("<HHI", 257, 4, 1))
+    data[rows + 8 : rows + 12] = struct.pack("<I", 4)  # six slices behind each other
+    path = tmp_path / "a.tif"
+    path.write_bytes(data)
+    wanted = read_volume(path, spacing=(1, 1, 1)).values
+    np.testing.assert_array_equal(wanted, pages.reshape(6, 4, 5))
+    entry = data.find(struct.pack("<HHI", tag, kind, 1))
+    assert entry > 0
+    data[entry + 4 : entry + 8] = bytes(4)
+    path.write_bytes(data)
+    if sentence:
+        with pytest.raises(md.MeshdepictError, match=sentence):
+            read_volume(path, spacing=(1, 1, 1))
+    else:
+        np.testing.assert_array_equal(read_volume(path, spacing=(1, 1, 1)).values, wanted)
+
+
 def test_impossible_bits_are_said_of_compressed_pixels_too(tmp_path):
     pixels = np.zeros((2, 4, 5), np.uint16)
     for used in (0, 17, 65535):
