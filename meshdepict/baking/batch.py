@@ -213,6 +213,8 @@ class Batch:
     def _remarks(self, baked: Baked, output: Path) -> Iterator[str]:
         """Yield what is to be known about an output."""
         mesh = baked.mesh
+        if not mesh.areas.any():
+            yield "none of its triangles has an area: there is no shape to see"
         error = None if self.quiet else baked.edge_error
         if error is not None and error.rms > _VISIBLE:
             yield (

@@ -26,9 +26,11 @@ __all__ = [
 LONGEST = 1 << 20
 """Bytes of header, or of a line of it."""
 
+_COMMA = re.compile(r"^([+-]?\d+),(\d+(?:[eE][+-]?\d+)?)$")
+
 
 def floats(text: str) -> list[float]:
-    """Return numbers parted by blanks.
+    """Return numbers parted by blanks; "0,5" is a half, as some programs write it abroad.
 
     Raises
     ------
@@ -36,7 +38,7 @@ def floats(text: str) -> list[float]:
         For words: one clause whose subject is the file, as everywhere here.
     """
     try:
-        return [float(word) for word in text.split()]
+        return [float(_COMMA.sub(r"\1.\2", word)) for word in text.split()]
     except ValueError:
         raise MeshdepictError(
             f"is damaged: its header has {printable(text)[:60]!r} for numbers"

@@ -107,6 +107,13 @@ def test_a_first_bake_shows_before_and_after_and_how_to_go_on(run, folder, small
     assert read_picture_provenance("first.png")
 
 
+def test_a_mesh_without_an_area_is_said(run, folder):
+    Path("flat.off").write_text("OFF\n3 1 0\n1 1 1\n1 1 1\n2 2 2\n3 0 1 2\n")
+    status, _, (line,) = run("bake", "flat.off")
+    assert status == 0
+    assert line.endswith("flat.off: none of its triangles has an area: there is no shape to see")
+
+
 def test_a_first_bake_where_nothing_can_be_drawn_goes_on(run, folder, small_golf_ball, monkeypatch):
     def fail(*_):
         raise ImportError("libGL.so.1 is missing")

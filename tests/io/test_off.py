@@ -57,6 +57,7 @@ def text(keyword: str, tail: str = "", faces: str = FACES) -> str:
         "OFF\n4 2 0\n" + text("OFF").split("\n", 2)[2].replace("\n", " "),
         "OFF\n4 2\n" + text("OFF").split("\n", 2)[2].replace("\n", " "),
         text("OFF", "1"),  # a weight
+        text("off"),
     ],
 )
 def test_spellings(off, content):

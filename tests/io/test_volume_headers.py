@@ -225,6 +225,14 @@ def test_metaimage_has_no_unit_unless_it_says_one(tmp_path):
     assert read_volume(path).length_unit == "µm"
 
 
+def test_decimal_commas_are_decimal_points(tmp_path):
+    path = write_metaimage(tmp_path / "a.mha", DATA, ElementSpacing="0,5 2,5e-1 1")
+    np.testing.assert_array_equal(read_volume(path).spacing, (0.5, 0.25, 1))
+    path = write_metaimage(tmp_path / "a.mha", DATA, ElementSpacing="0,5,1 1 1")
+    with pytest.raises(MeshdepictError, match="'0,5,1 1 1' for numbers"):
+        read_volume(path)
+
+
 @pytest.mark.parametrize("unit", ["", "mm", "µm", "m", "cm"])
 @pytest.mark.parametrize("suffix", WRITABLE_VOLUMES)
 def test_units_survive_being_written(tmp_path, suffix, unit):
