@@ -19,7 +19,16 @@ _KINDS = {"-o": ".png", "--csv": ".csv", "--html": ".html"}
 
 
 @takes_words(
-    without=("method", "light", "colormap", "colormap2d", "transfer", "refine", "albedo"),
+    without=(
+        "method",
+        "light",
+        "colormap",
+        "colormap2d",
+        "transfer",
+        "refine",
+        "albedo",
+        "two_sided",
+    ),
     options=False,
 )
 def compare(

@@ -143,8 +143,10 @@ class PartedMesh(Mesh):
             return found
         a, b, c = self.unit_points[self.outward_faces].swapaxes(0, 1)
         cross = np.cross(b - a, c - a)
-        group = self.groups[self.faces].ravel()
-        sums = np.stack([np.bincount(group, np.repeat(axis, 3)) for axis in cross.T], axis=1)
+        group, count = self.groups[self.faces].ravel(), int(self.groups.max()) + 1
+        sums = np.stack(
+            [np.bincount(group, np.repeat(axis, 3), minlength=count) for axis in cross.T], axis=1
+        )
         length = np.linalg.norm(sums, axis=1, keepdims=True)
         by_area = (sums / np.where(length > 0, length, 1))[self.groups]
         off = (found * by_area).sum(axis=1) < np.cos(np.radians(self.creases))

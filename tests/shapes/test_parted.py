@@ -224,3 +224,19 @@ def test_vertices_share_what_they_are_told_to():
 def test_what_are_no_groups(groups):
     with pytest.raises(md.MeshdepictError, match="groups must be 8 whole numbers from 0 without"):
         md.Mesh(box().vertices, box().polygons, groups=groups)
+
+
+@pytest.mark.filterwarnings("ignore:.*vertices were added", "ignore:.*are there twice")
+@pytest.mark.parametrize(
+    "faces",
+    [[[0, 1, 2]], [[0, 1, 2], [2, 1, 0]], [[0, 0, 0], [0, 1, 2]], [[0, 1, 1, 2], [0, 2, 3]],
+     [[0, 1], [0, 1, 2], [0, 1, 3]], [[0, 1, 2], [0, 1, 3], [1, 0, 4]]],
+)  # fmt: skip
+def test_what_is_odd_gets_unit_normals_and_keeps_its_corners(faces):
+    points = [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 0, 1], [0, -1, 0]]
+    mesh = md.Mesh(points, faces, winding="keep")
+    parted = parted_at_creases(mesh, 40)
+    np.testing.assert_array_equal(parted.vertices[parted.faces], mesh.vertices[mesh.faces])
+    np.testing.assert_allclose(np.linalg.norm(parted.normals, axis=1), 1, atol=1e-12)
+    baked = md.bake(mesh, "exaggerated", scales=2, creases=40)
+    assert np.isfinite(baked.intensity).all()
