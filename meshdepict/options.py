@@ -16,6 +16,7 @@ import functools
 import inspect
 import math
 import numbers
+import os
 import types
 import typing
 from collections.abc import Callable, Iterable, Mapping
@@ -28,6 +29,8 @@ __all__ = [
     "Choice",
     "Option",
     "Range",
+    "Samples",
+    "Values",
     "as_text",
     "check",
     "nearest",
@@ -74,6 +77,38 @@ class Choice:
 
 
 @dataclass(frozen=True)
+class Values:
+    """A number at every sample: an array, or a text that says where a method finds them.
+
+    In Python also a sequence of three or four numbers, which is the text that they make: a point.
+    """
+
+    help: str = ""
+
+    def __str__(self) -> str:
+        """Return what such a text may be."""
+        return "a vertex attribute | an image | x,y,z[,radius]"
+
+
+class Samples:
+    """An array that an option was given, kept as it was; equal to nothing but itself."""
+
+    def __init__(self, values: Any) -> None:
+        import numpy as np
+
+        self._values = np.array(values, np.float64)
+        self._values.setflags(write=False)
+
+    def __array__(self, dtype: Any = None, copy: Any = None) -> Any:
+        """Return the numbers."""
+        return self._values if dtype is None else self._values.astype(dtype)
+
+    def __repr__(self) -> str:
+        """Return how many there are."""
+        return f"{self._values.size:,} numbers"
+
+
+@dataclass(frozen=True)
 class Option:
     """One option of a function: its name, type, default and what it accepts.
 
@@ -85,7 +120,7 @@ class Option:
     name: str
     kind: type
     default: Any
-    accepts: Range | Choice
+    accepts: Range | Choice | Values
     count: int = 1
 
     @property
@@ -118,7 +153,7 @@ def options_of(function: Callable[..., Any]) -> Mapping[str, Option]:
             any_number = Range(help=name.replace("_", " "))
             found[name] = Option(name, plain, parameter.default, any_number)
         for accepts in typing.get_args(hint)[1:]:
-            if isinstance(accepts, (Range, Choice)):
+            if isinstance(accepts, (Range, Choice, Values)):
                 kind, count = _kind_and_count(typing.get_args(hint)[0])
                 found[name] = Option(name, kind, parameter.default, accepts, count)
     return types.MappingProxyType(found)
@@ -204,6 +239,8 @@ def _checked(option: Option, value: Any, where: str) -> Any:
                 f"{where}: {name}={value!r} is not one of {accepts}{nearest(value, accepts.names)}"
             )
         return value
+    if isinstance(accepts, Values):
+        return _values(option, value, where)
     if option.count != 1:
         return _several(option, value, where)
     return _number(option, value, where)
@@ -225,6 +262,30 @@ def _several(option: Option, value: Any, where: str) -> Any:
             f"{where}: {option.name}={value!r} is not {wanted} separated by commas"
         )
     return tuple(_number(option, item, where) for item in values)
+
+
+def _values(option: Option, value: Any, where: str) -> str | Samples:
+    """Return an array as `Samples`, all else as the text that says where values are found."""
+    if isinstance(value, Samples):
+        return value
+    text = os.fspath(value) if isinstance(value, (str, os.PathLike)) else ""
+    if isinstance(text, str) and text.strip():
+        return text.strip()
+    if isinstance(value, (tuple, list)) and len(value) in (3, 4):
+        parts = [real(part) for part in value]
+        if None not in parts:
+            return ",".join(map(repr, parts))
+    try:
+        found = Samples(value)
+        shape = found.__array__().shape
+    except (TypeError, ValueError, OverflowError):
+        shape = ()
+    if len(shape) not in (1, 2) or 0 in shape:
+        raise MeshdepictError(
+            f"{where}: {option.name}={value!r:.80} is neither a text ({option.accepts}) nor an "
+            "array of numbers"
+        )
+    return found
 
 
 def _number(option: Option, value: Any, where: str) -> Any:

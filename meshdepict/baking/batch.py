@@ -31,6 +31,7 @@ from meshdepict.drawing.picture import check_picture, save_picture, write_pictur
 from meshdepict.errors import MeshdepictError, MeshdepictWarning
 from meshdepict.io import read_mesh
 from meshdepict.io.source import FORMATS, WRITABLE, suffix_of
+from meshdepict.options import Values, options_of
 from meshdepict.shapes import samples
 
 if TYPE_CHECKING:
@@ -251,7 +252,10 @@ def check_look(look: Look) -> None:
     """
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # what they say is about the sphere
-        bake_surface(samples.sphere(12), look.replace(albedo="none", normals="computed"))
+        known = options_of(look.function)
+        theirs = (name for name in look.options if isinstance(known[name].accepts, Values))
+        usual = {"albedo": "none", "normals": "computed", **dict.fromkeys(theirs)}
+        bake_surface(samples.sphere(12), look.replace(**usual))
 
 
 def stem(source: Path | None) -> str:

@@ -8,8 +8,9 @@ from pathlib import Path
 from typing import Any
 
 from meshdepict.errors import MeshdepictError
+from meshdepict.files.pictures import is_picture
 from meshdepict.files.reach import inside
-from meshdepict.options import Choice, options_of
+from meshdepict.options import Choice, Values, options_of
 
 __all__ = ["located", "named_from"]
 
@@ -84,6 +85,8 @@ def _changed(
             changed[name] = change(given, what)
     for name, option in options_of(function).items():
         given, accepts = changed.get(name), option.accepts
+        if isinstance(accepts, Values) and isinstance(given, str) and is_picture(given):
+            changed[name] = change(given, name.replace("_", " "))
         if not isinstance(accepts, Choice) or Path not in accepts.also:
             continue
         if isinstance(given, (str, Path)) and given not in accepts.names:

@@ -17,14 +17,20 @@ from numpy.typing import NDArray
 from meshdepict.files.limits import check_claim
 from meshdepict.files.reach import regular
 
-__all__ = ["mapped_array", "opened_picture"]
+__all__ = ["is_picture", "mapped_array", "opened_picture"]
 
 # What the readers of pictures and of arrays raise where a file isn't what they think it is.
 _ODD = (
     ArithmeticError, AttributeError, EOFError, LookupError, MemoryError, NotImplementedError,
     RecursionError, SyntaxError, TypeError, struct.error, tokenize.TokenError,
 )  # fmt: skip
+_SUFFIXES = (".png", ".jpg", ".jpeg", ".tif", ".tiff", ".bmp", ".npy")
 _DEEP = 16  # bytes of a pixel in four channels of floats
+
+
+def is_picture(name: str) -> bool:
+    """Whether this is what a file of a picture, or of an array, would be called."""
+    return name.lower().endswith(_SUFFIXES)
 
 
 @contextmanager

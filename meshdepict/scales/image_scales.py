@@ -49,6 +49,10 @@ class ImageSpace(ScaleSpace):
             )
         return self.shape.mesh
 
+    def of_vertices(self, values: NDArray[Any]) -> NDArray[Any]:
+        """Interpolate values of the vertices of the mesh that is seen."""
+        return self.shape.sample(values)
+
     def mean(self, values: NDArray[Any], width: float) -> Floats:
         """Return values averaged under a Gaussian in the picture, over the pixels of the mask."""
         from scipy.ndimage import gaussian_filter

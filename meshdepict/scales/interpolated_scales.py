@@ -69,6 +69,10 @@ class InterpolatedSpace(ScaleSpace):
         """The mesh that the samples lie on."""
         return self.source.surface
 
+    def of_vertices(self, values: NDArray[Any]) -> NDArray[Any]:
+        """Interpolate values of the vertices."""
+        return self._spread(self.source.of_vertices(values))
+
     def _spread(self, values: NDArray[Any]) -> Floats:
         """Interpolate values (vertices, …)."""
         return np.einsum("nc,nc...->n...", self._weights, values[self._corners])

@@ -51,6 +51,10 @@ class MeshSpace(ScaleSpace):
         some = sums[0] > 0
         return np.where(some, sums[1] / np.where(some, sums[0], 1), values)
 
+    def of_vertices(self, values: NDArray[Any]) -> NDArray[Any]:
+        """Return the values as they are."""
+        return values
+
     def _principal(self, scale: int) -> PrincipalCurvatures:
         from meshdepict.curvature.principal import principal_curvatures
 

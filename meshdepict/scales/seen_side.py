@@ -68,6 +68,10 @@ class SeenSide(ScaleSpace):
         """Return values averaged over the samples around; see `ScaleSpace.mean`."""
         return self.source.mean(values, width)
 
+    def of_vertices(self, values: NDArray[Any]) -> NDArray[Any]:
+        """Return values of vertices at the samples; see `ScaleSpace.of_vertices`."""
+        return self.source.of_vertices(values)
+
     def _principal(self, scale: int) -> PrincipalCurvatures:
         k1, k2, d1, d2 = self.source.curvature(scale)
         sign = np.where(self.turned, -1.0, 1.0)

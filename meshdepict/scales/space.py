@@ -187,6 +187,10 @@ class ScaleSpace:
         """Return values (n,) averaged over the samples around under a Gaussian of a world width."""
         raise MeshdepictError(f"values can't be averaged over a {self.shape.kind}")
 
+    def of_vertices(self, values: NDArray[Any]) -> NDArray[Any]:
+        """Return values of the vertices of the shape's mesh (v,) at the samples (n,)."""
+        raise MeshdepictError(f"a {self.shape.kind} has no vertices whose values could be taken")
+
     def _principal(self, scale: int) -> PrincipalCurvatures:
         raise MeshdepictError(f"a {self.shape.kind} has no curvature")
 

@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterator
 from typing import Any
 
 from meshdepict.errors import MeshdepictError
-from meshdepict.options import Choice, Option, options_of
+from meshdepict.options import Choice, Option, Values, options_of
 
 __all__ = ["completed"]
 
@@ -79,6 +79,8 @@ def _usual(name: str, lights: str, option: Option | None) -> str:
     accepts = option.accepts
     if isinstance(accepts, Choice):
         kind = "{" + ", ".join(f'"{word}"' for word in accepts.names) + "}"
+    elif isinstance(accepts, Values):
+        kind = "str or array_like"
     else:
         number = option.kind.__name__
         kind = {1: number, 0: f"{number} or several"}.get(option.count, f"{option.count} {number}s")

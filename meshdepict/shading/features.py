@@ -8,11 +8,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from meshdepict.errors import MeshdepictError
-from meshdepict.options import Choice, Range
+from meshdepict.options import Choice, Range, Samples, Values
 from meshdepict.scales.space import ScaleSpace
 from meshdepict.scene.material import MATERIALS, Material, adjusted, as_material
 from meshdepict.scene.names import as_view
 from meshdepict.scene.view import View, named_directions
+from meshdepict.shading.importance import between_scales, importance_at
 
 __all__ = [
     "Bins",
@@ -20,6 +21,7 @@ __all__ = [
     "Foreshortening",
     "Frames",
     "Gain",
+    "Importance",
     "LightCount",
     "Magnitude",
     "MaterialName",
@@ -49,6 +51,9 @@ Foreshortening = Annotated[
     Range(0, 10, help="power of n·z in the view's curvature; the object's has none", soft=(0, 1)),
 ]
 
+Importance = Annotated[
+    ArrayLike | Samples | str | None, Values(help="where fine detail matters, 1, and where not, 0")
+]
 LightCount = Annotated[
     int, Range(1, 65536, help="lights that an environment is sampled into", soft=(16, 256))
 ]
@@ -98,7 +103,7 @@ def features(
     scale: int,
     gain: float | None,
     foreshortening: float = 1.0,
-    importance: ArrayLike | None = None,
+    importance: ArrayLike | Samples | str | None = None,
 ) -> Frames:
     """Return curvature times gain, concave positive, with its directions.
 
@@ -117,8 +122,9 @@ def features(
     foreshortening : float
         f of METHODS §3, the power of n·z in the slope that the view's curvature is the gradient of:
         1 in Light Warping, 0.4 in Radiance Scaling's released shader, 0 none.
-    importance : (n,) array_like in [0, 1], optional
-        Where fine detail matters (Light Warping's I(p)): `scale` at 1, the coarsest one at 0.
+    importance : str or array_like in [0, 1], optional
+        Where fine detail matters (Light Warping's I(p)): `scale` at 1, the coarsest one at 0; see
+        `importance.importance_at`.
 
     Returns
     -------
@@ -127,18 +133,22 @@ def features(
     Raises
     ------
     MeshdepictError
-        For a scale that the space does not have, or an importance of another shape or range.
+        For a scale that the space does not have, an importance that can't be had, and where there
+        are no scales to choose from.
     """
     if importance is None:
         return _at_scale(space, view, curvature, scale, gain, foreshortening)
-    wanted = _chosen(importance, len(space.points), scale, len(space.widths) - 1)
-    found = _at_scale(space, view, curvature, scale, gain, foreshortening)
-    for coarser in np.unique(wanted[wanted > scale]):
-        here = wanted == coarser
-        others = _at_scale(space, view, curvature, int(coarser), gain, foreshortening)
-        for mine, other in zip(found, others, strict=True):
-            mine[here] = other[here]
-    return found
+    last = len(space.widths) - 1
+    if scale >= last:
+        raise MeshdepictError(
+            f"importance chooses between scale {scale} and coarser ones, and there are none: make "
+            "more with scales=5 (--scales 5)"
+        )
+    share = importance_at(space, view, importance)
+    return between_scales(
+        lambda each: _at_scale(space, view, curvature, each, gain, foreshortening),
+        last - share * (last - scale),
+    )
 
 
 def curved(
@@ -150,7 +160,7 @@ def curved(
     scale: int,
     gain: float | None,
     foreshortening: float,
-    importance: ArrayLike | None = None,
+    importance: ArrayLike | Samples | str | None = None,
     **own: float | None,
 ) -> tuple[Any, View, Frames]:
     """Return what Light Warping and Radiance Scaling begin with: material, eye and curvature.
@@ -164,7 +174,7 @@ def curved(
         Parameters in place of the material's own; None leaves it alone.
     """
     chosen = adjusted(as_material(material), **own)
-    eye = sight(view, space, fitted=curvature == "view")
+    eye = sight(view, space, fitted=curvature == "view" or importance is not None)
     frames = features(
         space, eye, curvature=curvature, scale=scale, gain=gain, foreshortening=foreshortening,
         importance=importance,
@@ -244,10 +254,3 @@ def _at_scale(
 def _single(values: NDArray[Any]) -> NDArray[np.float32]:
     """Return float32, kept from overflowing: products with any magnitude must not be NaN."""
     return np.clip(values, -1e30, 1e30).astype(np.float32)
-
-
-def _chosen(importance: ArrayLike, count: int, scale: int, last: int) -> NDArray[np.intp]:
-    share = np.asarray(importance, np.float64)
-    if share.shape != (count,) or not ((share >= 0) & (share <= 1)).all():
-        raise MeshdepictError(f"importance must be {count:,} numbers from 0 to 1, one per point")
-    return np.rint(last - share * (last - scale)).astype(np.intp)

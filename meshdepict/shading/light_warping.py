@@ -6,7 +6,7 @@ import math
 from typing import Annotated, Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from meshdepict.errors import MeshdepictError
 from meshdepict.options import Choice, Range
@@ -32,6 +32,7 @@ from meshdepict.shading.features import (
     Foreshortening,
     Frames,
     Gain,
+    Importance,
     LightCount,
     MaterialName,
     Parameter,
@@ -85,7 +86,7 @@ def light_warping(
         str, Choice(("lights", "occlusion"), help="light, or warped ambient occlusion")
     ] = "lights",
     rays: Annotated[int, Range(2, 65536, help="of ambient occlusion", soft=(16, 256))] = 256,
-    importance: ArrayLike | None = None,
+    importance: Importance = None,
     shininess: Parameter = None,
     roughness: Parameter = None,
     bins: Bins = None,
@@ -125,8 +126,11 @@ def light_warping(
         Into how many an Environment is sampled; at least 16 look smooth.
     illumination : {"lights", "occlusion"}
         "occlusion": (1/π) ∫ ⟨n·l⟩ V(W(l)) dl, whatever the light and the material.
-    importance : (n,) array_like in [0, 1], optional
-        Where fine detail matters: `scale` at 1, the coarsest scale at 0 (fig. 6).
+    importance : str or array_like in [0, 1], optional
+        Where fine detail matters (I of §4.3, fig. 6): `scale` at 1, the coarsest scale at 0, so
+        there have to be several. The name of a vertex attribute, an image file laid over the
+        picture of the view, a point as x,y,z or x,y,z,radius, or in Python one number for each
+        sample; see `meshdepict.shading.importance.importance_at`.
 
     Returns
     -------

@@ -10,7 +10,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-from meshdepict.options import Choice, Option, as_text, options_of
+from meshdepict.options import Choice, Option, Values, as_text, options_of
 
 __all__ = ["Control", "controls"]
 
@@ -77,6 +77,8 @@ def _control(option: Option) -> Control:
     name, label, help_, default = said
     if isinstance(accepts, Choice):
         return Control(name, "list", label, help_, default, choices=accepts.names)
+    if isinstance(accepts, Values):
+        return Control(name, "text", label, help_, default)
     several = option.count > 1 or isinstance(default, tuple)
     low, high = accepts.soft or (accepts.low, accepts.high)
     if several or not (math.isfinite(low) and math.isfinite(high)):

@@ -10,7 +10,7 @@ from hypothesis.extra import numpy as arrays
 
 import meshdepict as md
 from meshdepict.baking.choices import choice_fields
-from meshdepict.options import Choice, options_of
+from meshdepict.options import Choice, Values, options_of
 
 # The same examples every time, and no test that fails for slowness.
 always = settings(
@@ -109,6 +109,8 @@ def test_any_option_of_a_method(space, name, choices):
     ends = []
     if isinstance(option.accepts, Choice):
         values = st.one_of(st.sampled_from(option.accepts.names), anything)
+    elif isinstance(option.accepts, Values):
+        values = st.one_of(st.sampled_from(["0,0,1", "0,0,1,0.5", "quality", "no.png"]), anything)
     else:
         ends = [end for end in (option.accepts.low, option.accepts.high) if np.isfinite(end)]
         values = st.one_of(st.sampled_from([*ends, 0.0, 1.0]), anything)

@@ -103,7 +103,8 @@ REFUSED = [
     ("light_warping", {"quadrature": "directions"}, {}, "only with 'lights'; bake it instead"),
     ("light_warping", {"illumination": "occlusion"}, {}, "only with 'lights'; bake it instead"),
     ("light_warping", {"material": "lit_sphere"}, {}, "lambert and phong, not LitSphere; bake"),
-    ("light_warping", {"importance": 1.0}, {}, "has no option 'importance'"),
+    ("light_warping", {"importance": "0,0,1"}, {}, "importance='0,0,1', only with None; bake it"),
+    ("light_warping", {"importance": np.ones(9)}, {}, "importance=9 numbers, only with None"),
 ]  # fmt: skip
 
 

@@ -7,7 +7,7 @@ mesh's own, so that their normals and curvature are the mesh's, at every scale.
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -132,6 +132,10 @@ class ThinnedSpace(ScaleSpace):
     def surface(self) -> Mesh:
         """The whole surface."""
         return self._whole.surface
+
+    def of_vertices(self, values: NDArray[Any]) -> NDArray[Any]:
+        """Return the values of those vertices that are there."""
+        return self._whole.of_vertices(values)[self._chosen]
 
     def occlusion(self, rays: int = 256) -> NDArray[np.float32]:
         """Return the share of the light that reaches each sample."""
