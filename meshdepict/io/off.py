@@ -26,7 +26,8 @@ __all__ = ["decode", "encode", "provenance"]
 
 _KEYWORD = re.compile(
     rb"\s*(?:#[^\r\n]*[\r\n]\s*)*(?P<texture>ST)?(?P<color>C)?(?P<normal>N)?(?P<other>4?n?)"
-    rb"(?:OFF|off)(?:\b|(?=\d))(?P<binary>[ \t]+BINARY[ \t]*\r?\n)?"  # ModelNet's counts touch the word
+    rb"(?:OFF|off)(?:\b|(?=\d))"  # ModelNet's counts touch the word
+    rb"(?P<binary>[ \t]+BINARY[ \t]*\r?\n)?"
 )
 _LARGEST = 2.0**62  # of numbers that are compared as indices: beyond it 64 bits end
 _PROVENANCE = re.compile(rb"\A\w*OFF[ \t]*\r?\n((?:#[^\n]*\n)*)")
