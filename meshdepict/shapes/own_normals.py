@@ -11,6 +11,7 @@ from meshdepict.errors import MeshdepictError, MeshdepictWarning
 from meshdepict.shapes.document import Document
 from meshdepict.shapes.mesh import Mesh
 from meshdepict.shapes.parted import PartedMesh
+from meshdepict.surface.creases import Fans, parted_corners
 from meshdepict.surface.polygons import as_polygons
 
 __all__ = ["with_own_normals"]
@@ -91,24 +92,10 @@ def _agreement(mesh: Mesh, vertex: Ints, unit: Floats) -> float:
 
 def _parted(mesh: Mesh, vertex: Ints, unit: Floats) -> PartedMesh:
     """Return the mesh with a vertex for each normal that corners have at one."""
-    count = len(mesh.vertices)
-    side = np.unique(unit, axis=0, return_inverse=True)[1].ravel()
-    pairs, first, which = np.unique(
-        vertex * (int(side.max()) + 1) + side, return_index=True, return_inverse=True
-    )
-    holder = vertex[first]
-    order = np.lexsort((first, holder))
-    keeps = np.empty(len(pairs), bool)
-    keeps[order] = np.diff(holder[order], prepend=-1) > 0
-    number = np.where(keeps, holder, 0)
-    added = np.flatnonzero(~keeps)
-    added = added[np.lexsort((first[added], holder[added]))]
-    number[added] = count + np.arange(len(added))
-    source = np.concatenate([np.arange(count), holder[added]])
-    normals = mesh.normals[source]
-    normals[number] = unit[first]
-    group = np.arange(len(source)) if mesh.groups is None else mesh.groups[source]
-    kind = np.full(len(source), -1)
-    kind[number] = side[first]
-    group = np.unique(np.stack([group, kind]), axis=1, return_inverse=True)[1].ravel()
-    return PartedMesh(mesh, source, number[which.ravel()], group, normals=normals)
+    group = np.arange(len(mesh.vertices)) if mesh.groups is None else mesh.groups
+    kinds = np.unique(np.c_[group[vertex], unit], axis=0, return_inverse=True)[1]
+    label = kinds.reshape(-1, 1)
+    parts = parted_corners(vertex[:, None], Fans(label, np.ones(label.shape, bool)), group)
+    normals = mesh.normals[parts.source]
+    normals[parts.corners[:, 0]] = unit
+    return PartedMesh(mesh, parts.source, parts.corners[:, 0], parts.group, normals=normals)

@@ -112,8 +112,10 @@ def parted_corners(faces: Ints, fans: Fans, group: Ints) -> Parts:
 
     Parameters
     ----------
-    faces : (m, 3) array
+    faces : (m, k) array
+        Corners: of triangles, or of anything.
     fans : Fans
+        Of them.
     group : (n,) array
         One number for the vertices that share a normal so far.
 
@@ -142,7 +144,7 @@ def parted_corners(faces: Ints, fans: Fans, group: Ints) -> Parts:
     groups = group[source]
     groups[number] = int(group.max()) + 1 + side
     groups = np.unique(groups, return_inverse=True)[1].ravel()
-    return Parts(source, corners.reshape(-1, 3), groups)
+    return Parts(source, corners.reshape(faces.shape), groups)
 
 
 def _next(corner: Ints) -> Ints:
