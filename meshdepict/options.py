@@ -42,13 +42,17 @@ __all__ = [
 
 @dataclass(frozen=True)
 class Range:
-    """A number in ``[low, high]``; ``soft`` is the part of it that a slider offers."""
+    """A number in ``[low, high]``; ``soft`` is the part of it that a slider offers.
+
+    Three of them may be a ``place`` on the shape, which viewers take from the pointer.
+    """
 
     low: float = -math.inf
     high: float = math.inf
     help: str = ""
     unit: str = ""
     soft: tuple[float, float] | None = None
+    place: bool = False
 
     def __str__(self) -> str:
         """Return the range as ``low … high unit``."""

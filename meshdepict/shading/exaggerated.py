@@ -151,7 +151,7 @@ def exaggerated(
     ] = 0.0,
     focus: Annotated[
         tuple[float, float, float] | None,
-        Range(help="x,y,z in world units: detail fades away from this point"),
+        Range(help="x,y,z in world units: detail fades away from this point", place=True),
     ] = None,
     radius: Annotated[
         float | None,

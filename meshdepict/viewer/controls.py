@@ -12,7 +12,7 @@ from typing import Any
 
 from meshdepict.options import Choice, Option, Values, as_text, options_of
 
-__all__ = ["Control", "controls"]
+__all__ = ["Control", "controls", "place_option"]
 
 
 @dataclass(frozen=True)
@@ -69,6 +69,20 @@ def controls(method: str | Callable[..., Any]) -> list[Control]:
     from meshdepict.shading.registry import find_method
 
     return [_control(option) for option in options_of(find_method(method)).values()]
+
+
+def place_option(method: str | Callable[..., Any]) -> str | None:
+    """Return the option of a method that is a place on the shape, None where there is none."""
+    from meshdepict.shading.registry import find_method
+
+    return next(
+        (
+            option.name
+            for option in options_of(find_method(method)).values()
+            if isinstance(option.accepts, Values) or getattr(option.accepts, "place", False)
+        ),
+        None,
+    )
 
 
 def _control(option: Option) -> Control:

@@ -24,7 +24,8 @@ from meshdepict.scales.space import ScaleSpace
 from meshdepict.scene.names import LightsLike, as_lighting, as_view
 from meshdepict.scene.rig import Rig
 from meshdepict.scene.view import View
-from meshdepict.shading.registry import find_method
+from meshdepict.shading.registry import METHODS, find_method
+from meshdepict.viewer.controls import place_option
 from meshdepict.viewer.light_drag import carried, dragged
 
 if TYPE_CHECKING:
@@ -117,6 +118,28 @@ class Session:
         }
         self.options.update(check(self.function, wanted, self.method))
         self._baked = None
+
+    def attend(self, point: ArrayLike | None) -> str:
+        """Draw attention to a point (3,) of the shape, in world units, or to none any more.
+
+        Returns
+        -------
+        str
+            The option of the method that has changed.
+
+        Raises
+        ------
+        MeshdepictError
+            Where the method has none that is a place, and for what is no point.
+        """
+        name = place_option(self.function)
+        if name is None:
+            having = [each for each in METHODS if place_option(each)]
+            raise MeshdepictError(
+                f"{self.method} draws no attention to a point; {' and '.join(having)} do"
+            )
+        self.set(**{name: None if point is None else tuple(np.asarray(point).tolist())})
+        return name
 
     def shine(self, light: LightsLike) -> None:
         """Change the light: anything that `bake` takes."""

@@ -20,7 +20,7 @@ from meshdepict.options import as_text
 from meshdepict.scene.light import Light
 from meshdepict.scene.rig import Rig
 from meshdepict.scene.view import View
-from meshdepict.viewer.controls import Control, controls
+from meshdepict.viewer.controls import Control, controls, place_option
 from meshdepict.viewer.packing import sight
 from meshdepict.viewer.page import save_page
 
@@ -55,7 +55,7 @@ class Desk:
         """Make changes, each [kind, values…], and shade; return what went wrong, if anything did.
 
         Kinds: method name; option method name value (None: the default); light x y z in a list;
-        follow whether; view frame focus half-height;
+        attend x y z in a list or None; follow whether; view frame focus half-height;
         colormap name; reset.
         """
         faults = []
@@ -88,6 +88,7 @@ class Desk:
             "method": session.method,
             "methods": list(METHODS),
             "about": " ".join(summary.split()),
+            "place": place_option(session.function) or "",
             "controls": [self._control(control) for control in controls(session.function)],
             "light": handle.direction.tolist() if isinstance(handle, Light) else None,
             "follows": session.light_fixed_to == "eye",
@@ -157,6 +158,9 @@ class Desk:
     def _use(self, method: str) -> None:
         self.session.use(method)
 
+    def _attend(self, point: ArrayLike | None) -> None:
+        self.session.attend(point)
+
     def _shine(self, direction: ArrayLike) -> None:
         self.session.shine(Light(direction))
 
@@ -174,6 +178,7 @@ _VERBS: dict[str, Callable[..., None]] = {
     "method": Desk._use,
     "option": Desk._option,
     "light": Desk._shine,
+    "attend": Desk._attend,
     "follow": Desk._follow,
     "view": Desk._look,
     "colormap": Desk._paint,

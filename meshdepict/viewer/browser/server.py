@@ -164,7 +164,7 @@ class _Server:
         trame, state = self.trame, self.trame.state
         trame.enable_module(
             {
-                "scripts": ["depict/web/mesh_view.js", "depict/web/app.js"],
+                "scripts": [f"depict/web/{name}.js" for name in ("pick", "mesh_view", "app")],
                 "styles": ["depict/web/app.css"],
                 "vue_use": ["meshdepict"],
             }

@@ -13,7 +13,8 @@
         <canvas v-show="!fault" ref="canvas" tabindex="0" role="img"
           :aria-label="'Picture of ' + look.title + '. Arrow keys turn it, plus and minus zoom.'"
         ></canvas>
-        <p class="help">Drag or arrow keys: turn. Wheel or + −: zoom. Shift: move. Home: back.</p>
+        <p class="help">Drag or arrow keys: turn. Wheel or + −: zoom. Shift: move. Home: back.
+          <span v-if="look.place">Alt+click: {{ words(look.place) }}.</span></p>
       </section>
       <form class="panel" @submit.prevent>
         <div class="scroll">
@@ -134,7 +135,8 @@
       this.waiting = new Map(); // the latest of each change that is not sent yet
       this.sent = this.serial = 0;
       try {
-        this.view = new window.MeshView(this.$refs.canvas, (sight) => this.turned(sight));
+        this.view = new window.MeshView(this.$refs.canvas, (sight) => this.turned(sight),
+          (x, y) => this.attend(x, y));
       } catch (error) {
         this.fault = error.message;
         return;
@@ -252,6 +254,9 @@
         this.frame = sight.frame;
         this.change("view", sight.frame, sight.focus, this.view.halfHeight());
         if (this.look.follows && angles) this.look.light = this.direction(angles);
+      },
+      attend(x, y) { // at a place of the canvas, in its pixels
+        if (this.look.place) this.change("attend", window.pickPoint(this.view, x, y));
       },
       direction({ azimuth, elevation }) { // degrees in the view's frame, clockwise from up
         const [a, e] = [azimuth / DEGREES, elevation / DEGREES];

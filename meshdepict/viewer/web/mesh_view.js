@@ -32,8 +32,10 @@ window.MeshView = (() => {
   }
 
   class MeshView {
-    /* `turned(sight)` is called when a person changes the view; `info` describes the mesh. */
-    constructor(canvas, turned = () => {}) {
+    /* `turned(sight)` is called when a person changes the view, `clicked(x, y)` when one clicks a
+       place with Alt; `info` describes the mesh. */
+    constructor(canvas, turned = () => {}, clicked = null) {
+      this.clicked = clicked;
       this.canvas = canvas;
       this.turned = turned;
       this.fingers = new Map();
@@ -262,6 +264,10 @@ window.MeshView = (() => {
       canvas.style.touchAction = "none";
       canvas.addEventListener("contextmenu", (event) => event.preventDefault());
       canvas.addEventListener("pointerdown", (event) => {
+        if (event.altKey && this.clicked) {
+          this.clicked(event.offsetX, event.offsetY);
+          return;
+        }
         canvas.setPointerCapture(event.pointerId);
         fingers.set(event.pointerId, [event.clientX, event.clientY]);
       });

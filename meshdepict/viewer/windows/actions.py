@@ -162,6 +162,10 @@ class Actions:
         window.plotter.renderer.ResetCameraClippingRange()
         window.settle()
 
+    def attend(self) -> None:
+        """Draw attention to the point under the pointer."""
+        self._window.attend(self._window.plotter.iren.interactor.GetEventPosition())
+
     def projection(self) -> None:
         """Change between parallel projection and perspective."""
         window, camera = self._window, self._window.camera

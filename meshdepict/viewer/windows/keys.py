@@ -70,6 +70,7 @@ def window_keys(colors: str, saved: str, *own: Key) -> tuple[Key, ...]:
         Key("next_view", ("v",), "v", "next view: front, back, right, ..."),
         Key("previous_view", ("V",), "V", "view before"),
         Key("fly", ("f", "F"), "f", "look at the point under the pointer"),
+        Key("attend", ("g", "G"), "g", "draw attention to the point under the pointer, or to none"),
         Key("projection", ("o", "O"), "o", "parallel projection, or perspective"),
         Key("bare", ("b", "B"), "b", "the object alone, or all controls"),
         Key("reset", ("r", "R"), "r", "back to the beginning"),
@@ -86,6 +87,7 @@ KEYS = window_keys("colour map", "the mesh with these colours (PLY)")
 POINTER = (
     ("drag", "turn the object"),
     ("Ctrl+drag, right drag", "turn the light"),
+    ("Alt+click", "draw attention to a point"),
     ("Shift+drag, middle drag", "move the object"),
     ("wheel", "zoom"),
 )

@@ -281,6 +281,22 @@ class LitWindow:
         self.session.drag_light((right, up))
         self.moved(recolored=True)
 
+    def attend(self, at: tuple[int, int]) -> None:
+        """Draw attention to the point that is seen at a place in pixels, or to none any more.
+
+        Raises
+        ------
+        MeshdepictError
+            Where the method draws none.
+        """
+        shape, point = self.session.shape, self.object.point_at(at)
+        if point is not None:  # of the scene: in diagonals from the centre
+            point = point * (shape.diagonal or 1.0) + shape.centre
+        name = self.session.attend(point)
+        self.object.touch()
+        where = "nowhere in particular" if point is None else "the point under the pointer"
+        self.say(f"{name.replace('_', ' ')}: {where}")
+
     # --- what is said -------------------------------------------------------------------------
 
     def say(self, words: str) -> None:

@@ -40,6 +40,9 @@ class Handled(Protocol):
     def let_go(self) -> bool:
         """End a drag."""
 
+    def attend(self, at: tuple[int, int]) -> None:
+        """Draw attention to a point."""
+
     def camera_moved(self) -> None:
         """Follow the camera."""
 
@@ -87,6 +90,9 @@ def bind(window: Handled) -> None:
 
     def left(caller: vtkRenderWindowInteractor) -> bool:
         at = caller.GetEventPosition()
+        if caller.GetAltKey():
+            window.attend(at)
+            return True
         what = "light" if caller.GetControlKey() else window.grip(at)
         if what is not None:
             window.take(what, at)
