@@ -10,7 +10,7 @@ from PIL import Image
 import meshdepict as md
 from meshdepict import threads
 from meshdepict.baking import batch
-from meshdepict.drawing.picture import read_picture_provenance
+from meshdepict.drawing.picture_files import read_picture_provenance
 from meshdepict.io import read_mesh, read_provenance, write_mesh
 from meshdepict.shapes import samples
 

@@ -9,7 +9,7 @@ from volume_shapes import SOLID, blobs
 
 from meshdepict.baking.look import bake_volume
 from meshdepict.drawing.figure import Figure
-from meshdepict.drawing.picture import read_picture_provenance
+from meshdepict.drawing.picture_files import read_picture_provenance
 from meshdepict.drawing.volume_picture import draw_volume, save_volume_picture
 from meshdepict.errors import MeshdepictError
 from meshdepict.viewer.windows.clipping_box import ClippingBox
