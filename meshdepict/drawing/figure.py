@@ -22,7 +22,8 @@ _PAPER = re.compile(r"a([0-6])(landscape)?")
 _A0 = 841, 1189  # mm; each of the following is half of the one before
 _PRINT = 300.0  # dots per inch that printers ask for, where a size on paper comes without
 _MOST = 16384  # pixels across: what graphics cards can draw into
-_GROUNDS = {"transparent": None, "paper": (226, 221, 209)}  # beside the names that CSS has
+# Beside the names that CSS has, which Pillow knows.
+_GROUNDS = {"transparent": None, "white": (255, 255, 255), "paper": (226, 221, 209)}
 _DARK = 110  # luma of a ground below which ink is white
 _COUNTED = ("units", "px", "voxels")  # what a length is counted in where nothing says its unit
 _POINTS = 8.0  # height of letters on paper, in 1/72 inch
@@ -182,17 +183,20 @@ def _unit(unit: object) -> str:
 
 
 def _ground(background: str) -> tuple[int, int, int] | None:
-    from PIL import ImageColor
-
     name = background.strip().lower() if isinstance(background, str) else ""
     if name in _GROUNDS:
         return _GROUNDS[name]
-    if name in ImageColor.colormap or re.fullmatch(r"#[0-9a-f]{6}", name):
+    if re.fullmatch(r"#[0-9a-f]{6}", name):
+        red, green, blue = bytes.fromhex(name[1:])
+        return red, green, blue
+    from PIL import ImageColor
+
+    if name in ImageColor.colormap:
         red, green, blue = ImageColor.getrgb(name)[:3]
         return red, green, blue
     raise MeshdepictError(
         f"background={background!r} is none of {', '.join(_GROUNDS)}, no name of a colour such as "
-        f"white or lightgray, and no #rrggbb"
+        "lightgray, and no #rrggbb"
         f"{nearest(str(background), (*_GROUNDS, *ImageColor.colormap))}"
     )
 
