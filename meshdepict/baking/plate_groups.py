@@ -23,7 +23,6 @@ from meshdepict.files.mark import VERSION
 from meshdepict.scales.ladder import Progress
 from meshdepict.scales.making import scale_space
 from meshdepict.scales.space import ScaleSpace
-from meshdepict.scene.names import as_lighting
 from meshdepict.scene.view import View
 from meshdepict.shapes.mesh import Mesh
 from meshdepict.shapes.volume import Volume
@@ -44,7 +43,7 @@ class Group:
     @property
     def caption(self) -> str:
         """What stands below it: method and light, and the name if it has one."""
-        light = as_lighting(self.look.light, self.eye, up=self.look.axis(self.shape.kind))
+        light = self.look.lighting(self.eye, self.shape.kind)
         said = f"{self.look.method}, light {str(light).partition(' (')[0]}"
         return f"{self.name}: {said}" if self.name else said
 
@@ -98,7 +97,7 @@ def _baked(
         scales, ratio = look.ladder
         spaces[key] = scale_space(
             shape, scales=scales, width=look.width, ratio=ratio, facing=look.facing,
-            tolerance=look.tolerance,
+            tolerance=look.tolerance, view=view,
         )  # fmt: skip
     return bake_surface(spaces[key], look.replace(**usual))
 

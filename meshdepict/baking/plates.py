@@ -77,14 +77,14 @@ def plate(
     shapes: object,
     methods: str | Callable[..., Any] | Sequence[str | Callable[..., Any]] = "exaggerated",
     *,
-    lights: LightsLike = "northwest",
+    lights: LightsLike | None = None,
     views: str | View | Sequence[str | View] = VIEWS,
     size: tuple[int, int] | str = "A4",
     dpi: float | None = None,
     scale: str | None = None,
     pixels_per_unit: float | None = None,
     unit: str = "",
-    background: str = "white",
+    background: str | None = None,
     scale_bar: bool = True,
     caption: str = "",
     names: Sequence[str] | None = None,
@@ -103,7 +103,7 @@ def plate(
     shapes : path, Mesh, Volume, or a list of these
     methods : str, function, or a sequence of them
         As for `bake`.
-    lights : light or sequence of lights
+    lights : light or sequence of lights, optional
         As for `bake`; each has pictures of its own.
     views : sequence
         The main view (a name, "auto" or a `View`), then its turns: "right", "back", "left",
@@ -136,12 +136,16 @@ def plate(
     if pixels is None:
         raise MeshdepictError("a plate's page needs a size, such as A4 or 210x297mm")
     main, turns = _views(views)
-    lamps = list(lights) if is_several(lights) else [lights]
+    lamps: list[Any] = list(lights) if is_several(lights) else [lights]
     looks = _looks(methods, lamps, options or {}, {**chosen, "view": main})
     given = list(shapes) if isinstance(shapes, (list, tuple)) else [shapes]
     if not given:
         raise MeshdepictError("a plate needs a shape: give a path, a Mesh or a Volume")
-    read = [_read(shape) for shape in given]
+    figure = figure.on(
+        "paper" if any(look.declared.ground == "paper" for look in looks) else "white"
+    )
+    read = [_read(shape, looks[0]) for shape in given]
+    poses = [looks[0].posed(shape) for shape in read]
     called = list(names) if names else [_name(shape, i) for i, shape in enumerate(given)]
     if len(called) != len(read):
         raise MeshdepictError(f"there are {len(read)} shapes and {len(called)} names for them")
@@ -150,8 +154,8 @@ def plate(
         figure = replace(figure, caption=f"{', '.join(called)}: {sides}")
     groups = [
         Group(shape, look, eye, arranged(eye, shape, turns), name if len(read) > 1 else "")
-        for shape, name in zip(read, called, strict=True)
-        for look in looks
+        for shape, name, pose in zip(read, called, poses, strict=True)
+        for look in [look.replace(up=pose.up, view=pose.view) for look in looks]
         for eye in [look.of_kind(shape.kind).eye(shape)]
     ]
     unit = figure.unit or _common_unit(read)
@@ -202,12 +206,12 @@ def _looks(
     return looks
 
 
-def _read(shape: object) -> Mesh | Volume:
+def _read(shape: object, look: Look) -> Mesh | Volume:
     if isinstance(shape, (ScaleSpace, GBuffer)):
         raise MeshdepictError(
             f"a {type(shape).__name__} can't be turned: give a path, a Mesh or a Volume"
         )
-    return as_volume(shape) if is_volume(shape) else as_mesh(shape)
+    return as_volume(shape) if is_volume(shape) else look.surface(as_mesh(shape))
 
 
 def _name(shape: object, place: int) -> str:

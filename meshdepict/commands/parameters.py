@@ -127,8 +127,8 @@ class FigureWords:
         str | None,
         Parameter(
             group=FIGURE,
-            help="white or another name that CSS has, paper (pale: white parts show), transparent or "
-            "#rrggbb; unless given white, and paper for methods that leave much white.",
+            help="white or another name that CSS has, paper (pale: white parts show), transparent "
+            "or #rrggbb; unless given white, and paper for methods that leave much white.",
         ),
     ] = None
     scale_bar: Annotated[

@@ -56,7 +56,7 @@ def plate(
     method
         A method; repeatable. exaggerated unless given.
     light
-        A light, as for bake; repeatable. northwest, of every view, unless given.
+        A light of every view, as for bake; repeatable.
     options
         An option of a method as name=value, with several methods METHOD.name=value. Repeatable.
     views
@@ -80,7 +80,7 @@ def plate(
     check_picture(output, page)
     check_target(output, force=force, inputs=identities(inputs))
     methods = method or ["exaggerated"]
-    lights: list[Any] = ["northwest"] if light is None else [as_light(text) for text in light]
+    lights: list[Any] | None = [as_light(text) for text in light] if light else None
     own = options or []
     if len(methods) == 1:
         own = [f"{methods[0]}.{text}" if _is_plain(text) else text for text in own]
@@ -90,15 +90,12 @@ def plate(
         made = plates.plate(
             [*inputs] or [samples.golf_ball()], methods, lights=lights, views=views, scale=scale,
             names=names, options=options_by_method(own), progress=progress,
-            **{"size": "A4", **figure.said, "scale_bar": True}, **look.said,
+            **{"size": "A4", **figure.said, "scale_bar": True}, **{"up": "auto", **look.said},
         )  # fmt: skip
         made.save(output)
     seconds = time.perf_counter() - start
-    parts = [
-        ", ".join(methods),
-        f"light {', '.join(light or ['northwest'])}",
-        made.provenance["plate"],
-    ]
+    lit = [f"light {', '.join(light)}"] if light else []
+    parts = [", ".join(methods), *lit, made.provenance["plate"]]
     say(f"{output}: {', '.join(parts)}, {seconds:.1f} s")
 
 
