@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from meshdepict import congruence, curvature, shading
     from meshdepict.baking.baked import Baked
     from meshdepict.baking.look import bake, bake_volume
+    from meshdepict.baking.plates import plate
     from meshdepict.baking.recipe import load_recipe, save_recipe
     from meshdepict.color.transfer_function import TransferFunction
     from meshdepict.congruence.comparison import compare
@@ -54,6 +55,7 @@ __all__ = [
     "curvature",
     "load_recipe",
     "method",
+    "plate",
     "read",
     "read_mesh",
     "read_volume",
@@ -82,6 +84,7 @@ _HOME = {
     "compare": "congruence.comparison",
     "load_recipe": "baking.recipe",
     "method": "shading.method",
+    "plate": "baking.plates",
     "read": "io",
     "read_mesh": "io",
     "read_volume": "io.volumes",

@@ -97,13 +97,15 @@ class Depiction:
         scale_bar: bool = False,
         unit: str = "",
         pixels_per_unit: float | None = None,
+        caption: str = "",
     ) -> Path:
-        """Render a PNG of this bake in its view, without needing a display.
+        """Render a picture of this bake in its view, without needing a display.
 
         Parameters
         ----------
         path : path
-        size, dpi, background, scale_bar, unit, pixels_per_unit
+            Ends in .png, .jpg, .svg or .pdf. In the last two scale bar and caption are vectors.
+        size, dpi, background, scale_bar, unit, pixels_per_unit, caption
             See `drawing.figure.Figure`: ``size="12x9cm", dpi=300, background="paper"``. Without a
             unit it is the shape's own, such as the millimetres of a CT.
 
@@ -117,7 +119,7 @@ class Depiction:
 
         figure = Figure(
             size=size, dpi=dpi, background=background, scale_bar=scale_bar, unit=unit,
-            pixels_per_unit=pixels_per_unit,
+            pixels_per_unit=pixels_per_unit, caption=caption,
         )  # fmt: skip
         return self._draw(path, figure)
 
@@ -199,7 +201,7 @@ class Baked(Depiction):
         """Write the shape with its colours; the suffix decides the format.
 
         ``.html`` is a page of its own that turns, offline, in any browser; see `save_page`. An
-        image is written as a PNG. Of other formats, everything the input file had is kept. An
+        image is written as a picture. Of other formats, everything the input file had is kept. An
         existing file is replaced, once the new one is complete.
 
         Raises

@@ -25,9 +25,10 @@ from meshdepict.baking.surfaces import bake_surface
 from meshdepict.baking.targets import check_target, identities
 from meshdepict.console import Heard, about, complain, notes, progress_bar, say
 from meshdepict.drawing.before_after import before_after
-from meshdepict.drawing.figure import Figure
+from meshdepict.drawing.figure import Figure, summary
 from meshdepict.drawing.framing import check_scale, frame
-from meshdepict.drawing.picture import check_picture, save_picture, write_picture
+from meshdepict.drawing.picture import save_picture
+from meshdepict.drawing.picture_files import check_picture, write_page
 from meshdepict.errors import MeshdepictError, MeshdepictWarning
 from meshdepict.io import read_mesh
 from meshdepict.io.source import FORMATS, WRITABLE, suffix_of
@@ -156,7 +157,7 @@ class Batch:
             picture = output.with_name(f"{stem(output)}.png")
         elif self.picture is not None:
             picture = _target(self.picture, f"{name}.png", "--picture")
-            check_picture(picture)
+            check_picture(picture, self.figure)
         for path in filter(None, (output, picture)):
             check_target(path, force=self.force, inputs=self._input_identities)
         return Job(source, output, picture, first)
@@ -204,11 +205,11 @@ class Batch:
         before = bake_surface(baked.shape, self.taken[-1].replace(method=_BEFORE))
         captions = f"before: {_BEFORE}", f"after: {self.look.method}"
         try:
-            image = before_after((before, baked), captions)
+            page = before_after((before, baked), captions)
         except (MeshdepictError, ImportError, RuntimeError) as error:
             warnings.warn(f"no picture could be drawn ({error})", MeshdepictWarning, stacklevel=3)
             return replace(job, picture=None)
-        write_picture(image, job.picture, baked.provenance)
+        write_page(page, job.picture, baked.provenance)
         return job
 
     def _remarks(self, baked: Baked, output: Path) -> Iterator[str]:
@@ -299,12 +300,7 @@ def _check_format(path: Path) -> None:
 
 def _caption(job: Job, baked: Baked, seconds: float) -> str:
     """Return what a plate's caption needs: file, method, light, widths in file units, seconds."""
-    light = baked.provenance["light"].partition(" (")[0]  # its name, if it has one
-    count, *rest = baked.provenance["scales"].split(", ")
-    parts = [f"{job.output}: {baked.provenance['method']}", f"light {light}"]
-    if rest:
-        widths = rest[0] if count != "1" else rest[0].replace("widths", "width").split(" to ")[0]
-        parts.append(f"{count} {widths}")
+    parts = [f"{job.output}: {summary(baked.provenance)}"]
     if baked.look is not None and (text := fitted_text(baked.look)):
         parts.append(text)
     if job.picture:

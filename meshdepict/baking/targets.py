@@ -7,6 +7,7 @@ from collections.abc import Container, Hashable, Iterable
 from os.path import exists, isdir, isfile, realpath  # unlike Path's, these never raise
 from pathlib import Path
 
+from meshdepict.drawing.picture_files import PICTURES, read_picture_provenance
 from meshdepict.errors import MeshdepictError
 from meshdepict.io import read_provenance
 
@@ -79,9 +80,7 @@ def _is_ours(path: Path) -> bool:
     if not isfile(path):  # a pipe or a device: looking into it might wait for ever
         return False
     kind = path.suffix.lower()
-    if kind == ".png":
-        from meshdepict.drawing.picture import read_picture_provenance
-
+    if kind in PICTURES:
         return read_picture_provenance(path) is not None
     if kind in (".mp4", ".gif"):
         from meshdepict.drawing.encoding import read_movie_provenance

@@ -41,7 +41,7 @@ def bake(
     output
         File to write, or a folder; <name>-<method>.ply in the current folder unless given.
     picture
-        Also render a PNG: a file, or a folder.
+        Also render a picture: a file (.png, .jpg, .svg, .pdf), or a folder, for PNG.
     winding
         auto: turn faces that look inwards before shading; keep: believe the file.
     fix_winding

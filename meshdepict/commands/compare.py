@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
 from cyclopts import Parameter
 
 from meshdepict.baking.choices import AUTO
 from meshdepict.commands.parameters import DETAIL, FILES, LOOK, Everywhere, LookWords, takes_words
-from meshdepict.commands.values import as_light, method_options
+from meshdepict.commands.values import as_light, options_by_method
 from meshdepict.console import notes, progress_bar, say
 from meshdepict.errors import MeshdepictError
 
@@ -101,7 +101,7 @@ def compare(
         check_target(path, force=force, inputs=identities([source]))
     pixels = Figure(size=size).pixels
     assert pixels is not None  # as a size was given
-    given = _options(options or [])
+    given = options_by_method(options or [])
     lights = None if light is None else [as_light(text) for text in light]
     with notes(source, quiet=quiet), progress_bar(name, quiet=quiet) as progress:
         mesh = samples.golf_ball() if source is None else read_mesh(source, winding=winding)
@@ -119,14 +119,3 @@ def compare(
     written = ", ".join(str(path) for path in (output, csv, page) if path is not None)
     lights_text = f"{len(found.lights)} light{'s' * (len(found.lights) != 1)}"
     say(f"{written}: mean congruence, {lights_text}, {found.seconds:.1f} s")
-
-
-def _options(given: list[str]) -> dict[str, dict[str, Any]]:
-    """Return options by method from texts such as ``exaggerated.exaggeration=30``, checked."""
-    texts: dict[str, list[str]] = {}
-    for text in given:
-        method, dot, rest = text.partition(".")
-        if not dot or "=" in method:
-            raise MeshdepictError(f"--set wants METHOD.name=value here, not {text!r}")
-        texts.setdefault(method, []).append(rest)
-    return {name: method_options(name, words) for name, words in texts.items()}

@@ -112,7 +112,7 @@ class FigureWords:
         str | None,
         Parameter(
             group=FIGURE,
-            help="Width and height: 1200x900 in pixels; 12x9cm, 120x90mm or 5x4in on paper.",
+            help="Width and height: 1200x900 in pixels; 12x9cm, 120x90mm, 5x4in or A4 on paper.",
         ),
     ] = None
     dpi: Annotated[
@@ -127,8 +127,8 @@ class FigureWords:
         str | None,
         Parameter(
             group=FIGURE,
-            help="white, paper (pale: white parts show), transparent or #rrggbb; unless given "
-            "white, and paper for methods that leave much white.",
+            help="white or another name that CSS has, paper (pale: white parts show), transparent "
+            "or #rrggbb; unless given white, and paper for methods that leave much white.",
         ),
     ] = None
     scale_bar: Annotated[
@@ -148,6 +148,13 @@ class FigureWords:
             converter=number,
             group=FIGURE,
             help="Same scale for all objects; the pictures grow as needed unless --size is given.",
+        ),
+    ] = None
+    caption: Annotated[
+        str | None,
+        Parameter(
+            group=FIGURE,
+            help="A text below the picture; auto: method, light and widths.",
         ),
     ] = None
 

@@ -8,7 +8,7 @@ from typing import Any
 from meshdepict.errors import MeshdepictError
 from meshdepict.scene.names import LightLike, LightsLike
 
-__all__ = ["as_light", "as_numbers", "method_options"]
+__all__ = ["as_light", "as_numbers", "method_options", "options_by_method"]
 
 
 def as_light(text: str) -> LightsLike:
@@ -56,3 +56,14 @@ def method_options(method: str, given: Sequence[str]) -> dict[str, Any]:
             raise MeshdepictError(f"--set wants name=value, not {text!r}")
         texts[name.strip()] = value.strip()
     return check(function, texts, method)
+
+
+def options_by_method(given: Sequence[str]) -> dict[str, dict[str, Any]]:
+    """Return options by method from texts such as ``exaggerated.exaggeration=30``, checked."""
+    texts: dict[str, list[str]] = {}
+    for text in given:
+        method, dot, rest = text.partition(".")
+        if not dot or "=" in method:
+            raise MeshdepictError(f"--set wants METHOD.name=value here, not {text!r}")
+        texts.setdefault(method, []).append(rest)
+    return {name: method_options(name, words) for name, words in texts.items()}

@@ -67,7 +67,8 @@ def volume(
     output
         Write the shaded voxels as RGBA (.vti, .nrrd, .mha, .nii), or with --surface a mesh.
     picture
-        Render a PNG; <name>-<method>.png in the current folder where nothing else is asked for.
+        Render a picture, PNG, JPEG, SVG or PDF; <name>-<method>.png in the current folder where
+        nothing else is asked for.
     before
         Also render VTK's own shading, for comparison.
     slices
@@ -108,7 +109,9 @@ def volume(
     }
     if surface is not None and (before or cuts):
         raise MeshdepictError("--before and --slice show voxels, --surface a mesh: leave one out")
-    _check_targets(source, output, (picture, before, *cuts), mesh=surface is not None, force=force)
+    _check_targets(
+        source, output, (picture, before, *cuts), figure=page, mesh=surface is not None, force=force
+    )
     with notes(source, quiet=quiet), progress_bar(name, quiet=quiet) as progress:
         grid = _read(source, series, slope, intercept, spacing, tilt).cropped(**box)
         if surface is not None:
@@ -164,7 +167,7 @@ def _shade_voxels(
     from meshdepict.baking.pixel_widths import measured
     from meshdepict.baking.provenance import fitted_text
     from meshdepict.baking.volumes import bake_grid
-    from meshdepict.drawing.picture import write_picture
+    from meshdepict.drawing.picture_files import write_picture
     from meshdepict.drawing.slices import draw_slice
     from meshdepict.drawing.volume_picture import save_volume_picture
 
@@ -187,12 +190,13 @@ def _check_targets(
     output: Path | None,
     pictures: tuple[Path | None, ...],
     *,
+    figure: Figure,
     mesh: bool,
     force: bool,
 ) -> None:
     """Refuse what can't be written, before anything is read."""
     from meshdepict.baking.targets import check_target, identities
-    from meshdepict.drawing.picture import check_picture
+    from meshdepict.drawing.picture_files import check_picture
     from meshdepict.io.source import WRITABLE, suffix_of
     from meshdepict.io.volumes import WRITABLE_VOLUMES
 
@@ -202,7 +206,7 @@ def _check_targets(
             raise MeshdepictError(f"-o {output}: end the name with {', '.join(wanted)}")
         check_target(output, force=force, inputs=identities([source]))
     for path in filter(None, pictures):
-        check_picture(path)
+        check_picture(path, figure)
         check_target(path, force=force, inputs=identities([source]))
 
 

@@ -1,9 +1,10 @@
-"""A figure on a page: its size in pixels or on paper, its ground, and what it says of its scale."""
+"""A figure on a page: its size in pixels or on paper, its ground, its scale and its caption."""
 
 from __future__ import annotations
 
 import math
 import re
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -13,13 +14,17 @@ from meshdepict.errors import MeshdepictError
 from meshdepict.options import nearest, real
 from meshdepict.voxels.length_unit import MILLIMETRES, length_unit
 
-__all__ = ["Figure", "check_pixels"]
+__all__ = ["Figure", "check_pixels", "summary"]
 
 _PER_INCH = {"cm": 2.54, "mm": 25.4, "in": 1.0}
 _SIZE = re.compile(r"(\d+(?:\.\d+)?)x(\d+(?:\.\d+)?)(px|cm|mm|in)?")
+_PAPER = re.compile(r"a([0-6])(landscape)?")
+_A0 = 841, 1189  # mm; each of the following is half of the one before
 _PRINT = 300.0  # dots per inch that printers ask for, where a size on paper comes without
 _MOST = 16384  # pixels across: what graphics cards can draw into
+# Beside the names that CSS has, which Pillow knows.
 _GROUNDS = {"transparent": None, "white": (255, 255, 255), "paper": (226, 221, 209)}
+_DARK = 110  # luma of a ground below which ink is white
 _COUNTED = ("units", "px", "voxels")  # what a length is counted in where nothing says its unit
 _POINTS = 8.0  # height of letters on paper, in 1/72 inch
 _LETTERS = 0.024  # … and where there is no paper, as a share of the picture's shorter side
@@ -32,19 +37,21 @@ class Figure:
     Parameters
     ----------
     size : (int, int) or str, optional
-        Width and height in pixels; or "1200x900", "12x9cm", "120x90mm", "5x4in". 1000 x 1000 unless
-        given; with `pixels_per_unit`, whatever the object needs.
+        Width and height in pixels; or "1200x900", "12x9cm", "120x90mm", "5x4in", "A4",
+        "A4 landscape". 1000 x 1000 unless given; with `pixels_per_unit`, whatever the object needs.
     dpi : float, optional
-        Dots per inch on paper, 300 where a size in cm, mm or in needs them.
+        Dots per inch on paper, 300 where a size on paper needs them.
     background : str, optional
-        "white", "paper" (pale, so that burnt-out whites show), "transparent" or "#rrggbb"; what
-        the depicted method declares unless given, mostly white.
+        A name of CSS such as "white" or "lightgray", "paper" (pale, so that burnt-out whites show),
+        "transparent" or "#rrggbb"; what the depicted method declares unless given, mostly white.
     scale_bar : bool
     unit : str
         What the file's units are, for the scale bar's label; unless given, as the file says.
     pixels_per_unit : float, optional
         The same scale for every object, which is put in the middle. Unless given, a named view
         shows the whole object, and any other view is taken as it is.
+    caption : str
+        What stands below the picture; "auto" says method, light and widths.
 
     Raises
     ------
@@ -58,6 +65,7 @@ class Figure:
     scale_bar: bool = False
     unit: str = ""
     pixels_per_unit: float | None = None
+    caption: str = ""
 
     def __post_init__(self) -> None:
         """Check everything once, before anything is read or drawn."""
@@ -67,6 +75,8 @@ class Figure:
                 raise MeshdepictError(
                     f"{name}={value!r} is not a number of {what} above 0 and below 1e9"
                 )
+        if not isinstance(self.caption, str):
+            raise MeshdepictError(f"caption={self.caption!r} is no text")
         object.__setattr__(self, "unit", _unit(self.unit))
         object.__setattr__(self, "_ground", _ground(self.background or "white"))
         size, dpi = _pixels(self.size, self.dpi)
@@ -91,6 +101,17 @@ class Figure:
         ground: tuple[int, int, int] | None = self._ground  # type: ignore[attr-defined]
         return ground
 
+    @property
+    def inks(self) -> tuple[tuple[int, int, int], tuple[int, int, int]]:
+        """Colours of what is written on the ground, and of what lies between: black and white."""
+        black, white = (0, 0, 0), (255, 255, 255)
+        dark = self.ground is not None and _luma(self.ground) < _DARK
+        return (white, black) if dark else (black, white)
+
+    def captioned(self, facts: Mapping[str, str]) -> Figure:
+        """Return the figure with the caption that says where a picture comes from, if asked for."""
+        return replace(self, caption=summary(facts)) if self.caption == "auto" else self
+
     def letters(self, size: tuple[int, int]) -> int:
         """Height of letters in pixels in a picture of a size."""
         height = self.dpi * _POINTS / 72 if self.dpi else _LETTERS * min(size)
@@ -102,11 +123,12 @@ def _pixels(size: object, dpi: float | None) -> tuple[tuple[int, int] | None, fl
     if size is None:
         return None, dpi
     if isinstance(size, str):
-        match = _SIZE.fullmatch(size.strip().lower().replace(" ", "").replace("×", "x"))
+        text = size.strip().lower().replace(" ", "").replace("-", "").replace("×", "x")
+        match = _SIZE.fullmatch(_on_paper(text))
         if match is None:
             raise MeshdepictError(
                 f"size {size!r} is not WIDTHxHEIGHT in pixels, such as 1200x900, or on paper, such "
-                "as 12x9cm, 120x90mm or 5x4in"
+                "as 12x9cm, 120x90mm, 5x4in, A4 or A4-landscape"
             )
         width, height, unit = match.groups()
         numbers = float(width), float(height)
@@ -124,6 +146,17 @@ def _pixels(size: object, dpi: float | None) -> tuple[tuple[int, int] | None, fl
     if any(number != math.floor(number) for number in numbers):
         raise MeshdepictError(f"size={size!r}: pixels come in whole numbers")
     return (int(numbers[0]), int(numbers[1])), dpi
+
+
+def _on_paper(text: str) -> str:
+    """Return the size that a name of paper stands for, any other text as it is."""
+    match = _PAPER.fullmatch(text)
+    if match is None:
+        return text
+    width, height = _A0
+    for _ in range(int(match[1])):
+        width, height = height // 2, width
+    return f"{height}x{width}mm" if match[2] else f"{width}x{height}mm"
 
 
 def check_pixels(size: tuple[int, int], why: str = "") -> None:
@@ -150,15 +183,37 @@ def _unit(unit: object) -> str:
 
 
 def _ground(background: str) -> tuple[int, int, int] | None:
-    if isinstance(background, str) and background in _GROUNDS:
-        return _GROUNDS[background]
-    if isinstance(background, str) and re.fullmatch(r"#[0-9a-fA-F]{6}", background):
-        red, green, blue = bytes.fromhex(background[1:])
+    name = background.strip().lower() if isinstance(background, str) else ""
+    if name in _GROUNDS:
+        return _GROUNDS[name]
+    if re.fullmatch(r"#[0-9a-f]{6}", name):
+        red, green, blue = bytes.fromhex(name[1:])
+        return red, green, blue
+    from PIL import ImageColor
+
+    if name in ImageColor.colormap:
+        red, green, blue = ImageColor.getrgb(name)[:3]
         return red, green, blue
     raise MeshdepictError(
-        f"background={background!r} is none of {', '.join(_GROUNDS)} and no #rrggbb"
-        f"{nearest(str(background), _GROUNDS)}"
+        f"background={background!r} is none of {', '.join(_GROUNDS)}, no name of a colour such as "
+        "lightgray, and no #rrggbb"
+        f"{nearest(str(background), (*_GROUNDS, *ImageColor.colormap))}"
     )
+
+
+def _luma(color: tuple[int, int, int]) -> float:
+    return 0.299 * color[0] + 0.587 * color[1] + 0.114 * color[2]
+
+
+def summary(facts: Mapping[str, str]) -> str:
+    """Return method, light and widths of a provenance, as a caption has them."""
+    light = facts["light"].partition(" (")[0]  # its name, if it has one
+    count, *rest = facts["scales"].split(", ")
+    parts = [facts["method"], f"light {light}"]
+    if rest:
+        widths = rest[0] if count != "1" else rest[0].replace("widths", "width").split(" to ")[0]
+        parts.append(f"{count} {widths}")
+    return ", ".join(parts)
 
 
 def _is_number(value: object) -> bool:

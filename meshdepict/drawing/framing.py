@@ -8,13 +8,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from meshdepict.drawing.figure import Figure, check_pixels
+from meshdepict.drawing.letters import LEADING, wrapped
 from meshdepict.errors import MeshdepictError
 from meshdepict.scene.shape import Shape
 from meshdepict.scene.upright import UPS
 from meshdepict.scene.vectors import Vector
 from meshdepict.scene.view import VIEWS, View
 
-__all__ = ["Framing", "check_scale", "frame"]
+__all__ = ["Framing", "caption_lines", "check_scale", "frame"]
 
 _MARGIN = 1.05  # as `View.fitted`
 _USUAL = (1000, 1000)
@@ -31,7 +32,9 @@ class Framing:
     size : (int, int)
         Of the whole picture, in pixels.
     strip : int
-        Pixels at the bottom that are kept free for the scale bar.
+        Pixels at the bottom that are kept free for scale bar and caption.
+    caption : int
+        How many of them are the caption's.
     pixels_per_unit : float or None
         None in perspective, where there is no scale.
     unit : str
@@ -41,6 +44,7 @@ class Framing:
     view: View
     size: tuple[int, int]
     strip: int = 0
+    caption: int = 0
     pixels_per_unit: float | None = None
     unit: str = ""
 
@@ -75,22 +79,26 @@ def frame(view: View, shape: Shape, figure: Figure, *, turning: bool = False) ->
     unit = figure.unit or getattr(shape, "length_unit", "")
     if figure.pixels_per_unit is None and not _is_fitted(view, shape):
         size, scale = figure.pixels or _USUAL, view.parallel_scale
-        return Framing(view, size, 0, None if scale is None else size[1] / (2 * scale), unit)
+        words = _caption_room(figure, size)  # as much of the object as without, but smaller
+        per_unit = None if scale is None else (size[1] - words) / (2 * scale)
+        return Framing(view, size, words, words, per_unit, unit)
     low, high = (_swept if turning else _seen)(view, shape)
     extent = (high - low)[:2]
     per_unit = figure.pixels_per_unit
     if per_unit is None:
         size = figure.pixels or _USUAL
-        strip = _strip(figure, size)
+        words = _caption_room(figure, size)
+        strip = _strip(figure, size) + words
         room = np.array((size[0], size[1] - strip))
         extent = np.maximum(extent, 1e-9 * (shape.diagonal or 1.0))
         per_unit = float((room / extent).min()) / _MARGIN
     else:
         size = figure.pixels or _grown(extent, figure)
-        strip = _strip(figure, size)
+        words = _caption_room(figure, size)
+        strip = _strip(figure, size) + words
         _check_room(extent, per_unit, (size[0], size[1] - strip))
     centred = _centred(view, shape, (low + high) / 2, size[1] - strip, per_unit)
-    return Framing(centred, size, strip, per_unit, unit)
+    return Framing(centred, size, strip, words, per_unit, unit)
 
 
 def check_scale(view: object, figure: Figure) -> None:
@@ -141,9 +149,13 @@ def _grown(extent: Vector, figure: Figure) -> tuple[int, int]:
     """Return the size of a picture that an object decides, with room for margin and scale bar."""
     per_unit = figure.pixels_per_unit or 1.0
     width, height = (int(x) for x in np.minimum(np.ceil(extent * per_unit * _MARGIN) + 2, 1e9))
-    if figure.scale_bar:  # which has to fit beside its label, however small the object
-        width = max(width, _BAR_ROOM * figure.letters((width, height)))
-    size = width, height + (3 * figure.letters((width, height)) if figure.scale_bar else 0)
+    size = width, height
+    for _ in range(3):  # what is written grows with the picture, and the picture with it
+        letters = figure.letters(size)
+        if figure.scale_bar or figure.caption:  # which have to fit, however small the object
+            width = max(width, _BAR_ROOM * letters)
+        bar = 3 * letters if figure.scale_bar else 0
+        size = width, height + bar + _rows(figure, width, letters)
     check_pixels(size, f" at {per_unit:g} pixels per unit")
     return size
 
@@ -156,6 +168,29 @@ def _check_room(extent: Vector, per_unit: float, room: tuple[int, int]) -> None:
             f"pixels, more than the {room[0]}x{room[1]} there are for it: give fewer pixels per "
             "unit, or a larger size or none"
         )
+
+
+def caption_lines(figure: Figure, width: int, letters: int) -> list[str]:
+    """Return the caption in lines that fit into a picture of a width, in letters of a height."""
+    return wrapped(figure.caption, width - 2 * letters, letters)
+
+
+def _rows(figure: Figure, width: int, letters: int) -> int:
+    """Return the height that the caption takes, with half a line below."""
+    count = len(caption_lines(figure, width, letters))
+    return math.ceil((count + 0.5) * LEADING * letters) if count else 0
+
+
+def _caption_room(figure: Figure, size: tuple[int, int]) -> int:
+    """Return the height that the caption takes; at most half of a given size."""
+    rows = _rows(figure, size[0], figure.letters(size))
+    grows = figure.pixels is None and figure.pixels_per_unit is not None
+    if rows > size[1] / 2 and not grows:
+        raise MeshdepictError(
+            f"the caption takes more than half of a picture of {size[0]}x{size[1]} pixels: shorten "
+            "it, or make the picture larger"
+        )
+    return rows
 
 
 def _strip(figure: Figure, size: tuple[int, int]) -> int:

@@ -73,6 +73,7 @@ def save_movie(
         path, turn=turn, light_fixed=light_fixed, seconds=seconds, fps=fps, figure=figure
     )
     view, light = session.view, session.light
+    figure = figure.captioned(session.baked().provenance)
     moves = _circle if turn == "light" else _round
     framing = frame(view, session.shape, figure, turning=turn == "object")
     try:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -11,10 +11,11 @@ from numpy.typing import NDArray
 
 from meshdepict.drawing.canvas import add_painted, canvas, on_ground, place, unit_polydata
 from meshdepict.drawing.figure import Figure
-from meshdepict.drawing.framing import Framing, frame
-from meshdepict.drawing.scale_bar import draw_scale_bar
-from meshdepict.errors import MeshdepictError
-from meshdepict.files.mark import MARK
+from meshdepict.drawing.framing import Framing, caption_lines, frame
+from meshdepict.drawing.letters import LEADING
+from meshdepict.drawing.page import Page, Part, Picture, Words, paint
+from meshdepict.drawing.picture_files import check_picture, write_page, write_picture
+from meshdepict.drawing.scale_bar import bar_parts, scale_bar
 from meshdepict.shapes.gbuffer import GBuffer
 
 if TYPE_CHECKING:
@@ -24,14 +25,14 @@ if TYPE_CHECKING:
     from meshdepict.drawing.plotter import Plotter
 
 __all__ = [
-    "check_picture",
+    "caption_words",
+    "draw_page",
     "finished",
+    "laid_out",
     "plot",
     "plot_with",
-    "read_picture_provenance",
     "save_image",
     "save_picture",
-    "write_picture",
 ]
 
 
@@ -57,7 +58,10 @@ def plot_with(add: Callable[[Plotter], object], baked: Depicted, **plotter: Any)
 def save_picture(
     baked: Painted, path: str | Path, figure: Figure | None = None, **layout: Any
 ) -> Path:
-    """Render a PNG off screen and put it in place once it is complete.
+    """Render a picture off screen and put it in place once it is complete.
+
+    The suffix decides the format: PNG, JPEG, SVG or PDF. In the last two scale bar and caption are
+    vectors and text, and the object is an image of as many pixels as the figure says.
 
     The figure may also be given in words, those of `Figure`: ``size="12x9cm", dpi=300``.
 
@@ -69,16 +73,21 @@ def save_picture(
     MeshdepictError
         As `check_picture` and `frame`, and where the file can't be written.
     """
-    path, figure = Path(path), (figure or Figure(**layout)).on(baked.ground)
-    check_picture(path)
+    path, figure = Path(path), figure or Figure(**layout)
+    check_picture(path, figure)
+    return write_page(draw_page(baked, figure), path, baked.provenance)
+
+
+def draw_page(baked: Painted, figure: Figure) -> Page:
+    """Return the page that `save_picture` writes."""
+    figure = figure.on(baked.ground).captioned(baked.provenance)
     framing = frame(baked.view, baked.shape, figure)
     with canvas(baked, framing.drawn) as drawing:
-        image = finished(drawing.draw(framing.view), framing, figure)
-    return write_picture(image, path, baked.provenance, figure.dpi)
+        return laid_out(drawing.draw(framing.view), framing, figure)
 
 
 def save_image(baked: Painted, path: str | Path, *, background: str | None = None) -> Path:
-    """Write the pixels of a baked image as a PNG, just as they are.
+    """Write the pixels of a baked image, just as they are.
 
     Raises
     ------
@@ -87,61 +96,47 @@ def save_image(baked: Painted, path: str | Path, *, background: str | None = Non
     """
     from PIL import Image
 
-    check_picture(path)
-    ground = Figure(background=background).on(baked.ground).ground
+    figure = Figure(background=background).on(baked.ground)
+    check_picture(path, figure)
     covered = np.column_stack((baked.colors, np.full(len(baked.colors), 255, np.uint8)))
     assert isinstance(baked.shape, GBuffer)
-    pixels = on_ground(baked.shape.image(covered), ground)
+    pixels = on_ground(baked.shape.image(covered), figure.ground)
     return write_picture(Image.fromarray(pixels), path, baked.provenance)
 
 
-def write_picture(
-    image: Image, path: str | Path, facts: Mapping[str, str], dpi: float | None = None
-) -> Path:
-    """Write a ``PIL.Image`` as a PNG with facts about it, from where they can be read back.
-
-    Raises
-    ------
-    OSError
-        Where the file can't be written; an earlier one is left as it was.
-    """
-    from PIL.PngImagePlugin import PngInfo
-
-    from meshdepict.files.atomic import atomic_write
-
-    texts = PngInfo()
-    for key, text in facts.items():
-        texts.add_text(MARK + key, text)
-    with atomic_write(Path(path)) as stream:
-        image.save(stream, format="PNG", pnginfo=texts, **({"dpi": (dpi, dpi)} if dpi else {}))
-    return Path(path)
-
-
 def finished(drawn: NDArray[np.uint8], framing: Framing, figure: Figure) -> Image:
-    """Return what a canvas drew as a ``PIL.Image`` on its ground, with the scale bar."""
+    """Return what a canvas drew as a ``PIL.Image`` on its ground, with scale bar and caption."""
+    return paint(laid_out(drawn, framing, figure))
+
+
+def laid_out(drawn: NDArray[np.uint8], framing: Framing, figure: Figure) -> Page:
+    """Return what a canvas drew on a page, with scale bar and caption."""
     from PIL import Image
 
-    if framing.strip:
-        drawn = np.pad(drawn, ((0, framing.strip), (0, 0), (0, 0)))
-    image = Image.fromarray(on_ground(drawn, figure.ground))
+    width, height = framing.size
+    letters = figure.letters(framing.size)
+    parts: list[Part] = [Picture(Image.fromarray(on_ground(drawn, figure.ground)), 0, 0)]
+    left = round(letters * 1.2)
+    above = height - framing.caption
     if figure.scale_bar:
-        draw_scale_bar(image, framing, figure)
-    return image
+        assert framing.pixels_per_unit is not None  # `frame` sees to that
+        bar = scale_bar(width / framing.pixels_per_unit, framing.unit)
+        strip = framing.strip - framing.caption or min(3 * letters, above // 3)
+        parts += bar_parts(
+            bar, framing.pixels_per_unit, left, above - strip // 2, letters, figure
+        )  # fmt: skip
+    lines = caption_lines(figure, width, letters)
+    parts += caption_words(lines, left, above, letters, figure)
+    return Page(framing.size, figure.ground, tuple(parts), figure.dpi)
 
 
-def check_picture(path: str | Path) -> None:
-    """Refuse a name that doesn't end in .png, before any work is done."""
-    if Path(path).suffix.lower() != ".png":
-        raise MeshdepictError(f"{path}: pictures are written as PNG; end the name with .png")
-
-
-def read_picture_provenance(path: str | Path) -> list[str] | None:
-    """Return the lines that this program wrote into a PNG, None where there are none."""
-    from PIL import Image
-
-    try:
-        with Image.open(path) as image:
-            texts = getattr(image, "text", {})
-    except (OSError, SyntaxError, ValueError, Image.DecompressionBombError):
-        return None  # whatever it is, this program didn't write it
-    return [f"{key}: {text}" for key, text in texts.items() if key.startswith(MARK)] or None
+def caption_words(
+    lines: list[str], x: float, top: float, letters: int, figure: Figure, *, anchor: str = "l"
+) -> list[Words]:
+    """Return lines of text below one another, from their top."""
+    ink, around = figure.inks
+    rim = max(1, round(letters / 7)) if figure.ground is None else 0
+    return [
+        Words(line, x, top + (i + 0.5) * LEADING * letters, letters, ink, anchor, rim, around)
+        for i, line in enumerate(lines)
+    ]

@@ -1,22 +1,19 @@
-"""The scale bar: a round length in the file's units, and how it is drawn."""
+"""The scale bar: a round length in the file's units, and what it is made of on a page."""
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
+
+from meshdepict.drawing.page import Block, Part, Words
 
 if TYPE_CHECKING:
-    from PIL.Image import Image
-
     from meshdepict.drawing.figure import Figure
-    from meshdepict.drawing.framing import Framing
 
-__all__ = ["ScaleBar", "draw_scale_bar", "scale_bar"]
+__all__ = ["ScaleBar", "bar_parts", "scale_bar"]
 
 _SHARE = 0.3  # of the picture's width, at most
-_DARK = 110  # luma of a ground below which ink is white
 
 
 @dataclass(frozen=True)
@@ -59,53 +56,40 @@ def scale_bar(extent: float, unit: str = "", *, share: float = _SHARE) -> ScaleB
     return ScaleBar(length, 4 if first == 2 else 5, f"{number} {name}")
 
 
-def draw_scale_bar(image: Image, framing: Framing, figure: Figure) -> None:
-    """Draw the scale bar at the bottom left of a ``PIL.Image``; in parallel views only."""
-    from PIL import ImageDraw
+def bar_parts(
+    bar: ScaleBar, per_unit: float, left: int, middle: int, letters: int, figure: Figure
+) -> list[Part]:
+    """Return the blocks and the words of a scale bar, from edge to edge as long as it says.
 
-    assert framing.pixels_per_unit is not None  # `frame` sees to that
-    width, height = framing.size
-    bar = scale_bar(width / framing.pixels_per_unit, framing.unit)
-    ground = figure.ground
-    dark = ground is not None and _luma(ground) < _DARK
-    ink, fill = ("white", "black") if dark else ("black", "white")
-    letters = figure.letters(framing.size)
+    Parameters
+    ----------
+    bar : ScaleBar
+    per_unit : float
+        Pixels of a unit.
+    left, middle : int
+        Where it begins, and where the middle of its height is, in pixels.
+    letters : int
+        Height of letters in pixels.
+    figure : Figure
+        On whose ground it lies.
+    """
+    ink, fill = figure.inks
     thick, line = max(4, round(letters * 0.45)), max(1, round(letters / 14))
-    length = bar.length * framing.pixels_per_unit
-    strip = framing.strip or min(3 * letters, height // 3)
-    left, middle = round(letters * 1.2), height - strip // 2
-    top, bottom = middle - thick // 2, middle - thick // 2 + thick - 1
-    pen = ImageDraw.Draw(image)
+    length = bar.length * per_unit
     if length < bar.parts * 2 * line:  # a picture of a few pixels has no room for a bar
-        return
-    ends = [left + round(length * i / bar.parts) for i in range(bar.parts + 1)]
-    pen.rectangle((left, top, ends[-1] - 1, bottom), fill=ink)
-    for i in range(1, bar.parts, 2):  # from edge to edge it is as long as it says
+        return []
+    top = middle - thick // 2
+    bottom = top + thick
+    ends = [left + length * i / bar.parts for i in range(bar.parts + 1)]
+    clear = figure.ground is None  # legible on any page: a bright rim round bar and label
+    parts: list[Part] = []
+    if clear:
+        parts.append(Block(left - line, top - line, ends[-1] + line, bottom + line, fill))
+    parts.append(Block(left, top, ends[-1], bottom, ink))
+    for i in range(1, bar.parts, 2):
         edge = line if i == bar.parts - 1 else 0
-        pen.rectangle((ends[i], top + line, ends[i + 1] - 1 - edge, bottom - line), fill=fill)
-    font = _font(bar.label, letters)
-    place = ends[-1] + letters * 0.6, (top + bottom) / 2
-    if ground is None:  # legible on any page: a bright rim round bar and label
-        rim = 2 * line
-        pen.rectangle(
-            (left - line, top - line, ends[-1] - 1 + line, bottom + line), outline=fill, width=line
-        )
-        pen.text(place, bar.label, ink, font, anchor="lm", stroke_width=rim, stroke_fill=fill)
-    else:
-        pen.text(place, bar.label, ink, font, anchor="lm")
-
-
-def _luma(color: tuple[int, int, int]) -> float:
-    return 0.299 * color[0] + 0.587 * color[1] + 0.114 * color[2]
-
-
-def _font(text: str, size: int) -> Any:
-    """Return a font that has the letters: Pillow's own lacks µ and all else beyond ASCII."""
-    from PIL import ImageFont
-
-    if text.isascii():
-        return ImageFont.load_default(size)
-    import matplotlib
-
-    path = Path(matplotlib.get_data_path(), "fonts", "ttf", "DejaVuSans.ttf")
-    return ImageFont.truetype(path, size)
+        parts.append(Block(ends[i], top + line, ends[i + 1] - edge, bottom - line, fill))
+    beside, across = ends[-1] + letters * 0.6, (top + bottom - 1) / 2
+    rim = 2 * line if clear else 0
+    parts.append(Words(bar.label, beside, across, letters, ink, rim=rim, around=fill))
+    return parts

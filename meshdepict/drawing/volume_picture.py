@@ -12,7 +12,9 @@ from numpy.typing import NDArray
 from meshdepict.drawing.canvas import off_screen, pixels_of
 from meshdepict.drawing.figure import Figure
 from meshdepict.drawing.framing import Framing, frame
-from meshdepict.drawing.picture import check_picture, finished, plot_with, write_picture
+from meshdepict.drawing.page import Page, paint
+from meshdepict.drawing.picture import laid_out, plot_with
+from meshdepict.drawing.picture_files import check_picture, write_page
 from meshdepict.drawing.shader import caught_errors
 from meshdepict.drawing.volume_scene import add_baked, add_plain, add_rgba
 from meshdepict.errors import MeshdepictError
@@ -27,7 +29,13 @@ if TYPE_CHECKING:
     from meshdepict.drawing.painted import PaintedVolume
     from meshdepict.drawing.plotter import Plotter
 
-__all__ = ["draw_volume", "plot_volume", "save_volume_picture"]
+__all__ = [
+    "draw_volume",
+    "draw_volume_page",
+    "draw_voxels",
+    "plot_volume",
+    "save_volume_picture",
+]
 
 _TRIAL = (16, 16)  # pixels, to see whether the card takes this program's shader
 
@@ -51,13 +59,23 @@ def draw_volume(
     plain: bool = False,
     planes: Sequence[vtkPlane] = (),
 ) -> Image:
-    """Return a ``PIL.Image`` of a bake in its view.
+    """Return a ``PIL.Image`` of a bake in its view; see `draw_volume_page`."""
+    return paint(draw_volume_page(baked, figure or Figure(), plain=plain, planes=planes))
+
+
+def draw_volume_page(
+    baked: PaintedVolume,
+    figure: Figure,
+    *,
+    plain: bool = False,
+    planes: Sequence[vtkPlane] = (),
+) -> Page:
+    """Return a page with a picture of a bake in its view.
 
     Parameters
     ----------
     baked : PaintedVolume
-    figure : Figure, optional
-        1000 x 1000 pixels on white unless given.
+    figure : Figure
     plain : bool
         Draw the CT numbers with VTK's own shading instead, through the same transfer function.
     planes : sequence of vtkPlane
@@ -68,7 +86,7 @@ def draw_volume(
     MeshdepictError
         As `frame`, and for a plain picture of a bake without a transfer function.
     """
-    figure = (figure or Figure()).on(baked.ground)
+    figure = figure.on(baked.ground).captioned(_facts(baked, plain=plain))
     framing = frame(baked.view, baked.shape, figure)
     if plain:
         transfer = baked.transfer
@@ -83,12 +101,19 @@ def draw_volume(
 
         drawn = _drawn(before, baked, framing, planes)
     else:
-        try:
-            with caught_errors("the volume"):
-                drawn = _drawn(partial(add_baked, baked=baked), baked, framing, planes)
-        except MeshdepictError:  # no such shaders here: colours of voxels, interpolated
-            drawn = _drawn(partial(add_rgba, baked=baked), baked, framing, planes)
-    return finished(drawn, framing, figure)
+        drawn = draw_voxels(baked, framing, planes)
+    return laid_out(drawn, framing, figure)
+
+
+def draw_voxels(
+    baked: PaintedVolume, framing: Framing, planes: Sequence[vtkPlane] = ()
+) -> NDArray[np.uint8]:
+    """Draw shaded voxels where a framing has them: colour times coverage, and coverage."""
+    try:
+        with caught_errors("the volume"):
+            return _drawn(partial(add_baked, baked=baked), baked, framing, planes)
+    except MeshdepictError:  # no such shaders here: colours of voxels, interpolated
+        return _drawn(partial(add_rgba, baked=baked), baked, framing, planes)
 
 
 def save_volume_picture(
@@ -100,7 +125,7 @@ def save_volume_picture(
     planes: Sequence[vtkPlane] = (),
     **layout: Any,
 ) -> Path:
-    """Render `draw_volume` as a PNG, and put it in place once it is complete.
+    """Render `draw_volume`, and put it in place once it is complete; the suffix says the format.
 
     The figure may also be given in words, and the bake's provenance goes into the file, as by
     `save_picture`.
@@ -111,10 +136,14 @@ def save_volume_picture(
         As `draw_volume`, for another suffix, and where the file can't be written.
     """
     path, figure = Path(path), figure or Figure(**layout)
-    check_picture(path)
-    image = draw_volume(baked, figure, plain=plain, planes=planes)
-    facts = baked.provenance | ({"method": "plain volume rendering"} if plain else {})
-    return write_picture(image, path, facts, figure.dpi)
+    check_picture(path, figure)
+    page = draw_volume_page(baked, figure, plain=plain, planes=planes)
+    return write_page(page, path, _facts(baked, plain=plain))
+
+
+def _facts(baked: PaintedVolume, *, plain: bool) -> dict[str, str]:
+    """Return what a picture says of how it came about."""
+    return baked.provenance | ({"method": "plain volume rendering"} if plain else {})
 
 
 def _drawn(

@@ -10,7 +10,7 @@ from PIL import Image
 import meshdepict as md
 from meshdepict import threads
 from meshdepict.baking import batch
-from meshdepict.drawing.picture import read_picture_provenance
+from meshdepict.drawing.picture_files import read_picture_provenance
 from meshdepict.io import read_mesh, read_provenance, write_mesh
 from meshdepict.shapes import samples
 
@@ -267,7 +267,7 @@ def md_path(text):
 def test_names_are_checked_before_anything_is_read(run, ball_ply, folder, monkeypatch):
     (folder / "out.ply").write_text("mine")
     monkeypatch.setattr(batch, "read_mesh", lambda *_, **__: pytest.fail("read too early"))
-    for words in (("-o", "out.ply"), ("-o", "x.stl"), ("--picture", "x.jpg")):
+    for words in (("-o", "out.ply"), ("-o", "x.stl"), ("--picture", "x.tif")):
         assert run("bake", "ball.ply", *words)[0] == 2
 
 
@@ -424,7 +424,7 @@ def test_figures_are_refused_before_anything_is_read(run, ball_ply, folder, monk
     )
     for words, sentence in (
         (("--size", "big"), "size 'big' is not WIDTHxHEIGHT"),
-        (("--background", "blue"), "background='blue' is none of"),
+        (("--background", "blu"), "background='blu' is none of"),
         (("--recipe", "look.toml", "--scale-bar"), "a scale bar needs a parallel view"),
         (("--recipe", "look.toml", "--pixels-per-unit", "3"), "a fixed scale needs a parallel"),
     ):

@@ -11,7 +11,8 @@ from meshdepict.baking.baked import Baked, Depiction
 from meshdepict.baking.look import bake, bake_volume
 from meshdepict.baking.volumes import BakedVolume
 from meshdepict.drawing import volume_scene
-from meshdepict.drawing.picture import read_picture_provenance, save_picture
+from meshdepict.drawing.picture import save_picture
+from meshdepict.drawing.picture_files import read_picture_provenance
 from meshdepict.drawing.volume_picture import plot_volume, save_volume_picture
 from meshdepict.errors import MeshdepictError
 from meshdepict.scales.grid_scales import sample_bytes

@@ -14,7 +14,7 @@ from meshdepict.commands import report
 # --- help -----------------------------------------------------------------------------------------
 
 
-COMMANDS = ("bake", "view", "compare", "volume", "movie", "info", "methods")
+COMMANDS = ("bake", "view", "compare", "volume", "plate", "movie", "info", "methods")
 
 
 @pytest.mark.parametrize("words", [(), ("--help",), ("-h",), ("help",)])
@@ -139,7 +139,7 @@ def test_light_commands_load_no_heavy_modules(ball_ply, words, heavy):
         ("bake ball.ply -o out", "not as a file without suffix"),
         ("bake ball.ply -o ball.ply/", "-o ball.ply/: the folder can't be made"),
         ("bake ball.ply -o new/out.ply", "there is no folder new"),
-        ("bake ball.ply --picture out.jpg", "end the name with .png"),
+        ("bake ball.ply --picture out.tif", "end the name with .png"),
         ("bake ball.ply --picture new/out.png", "there is no folder new"),
         ("bake ball.ply --picture out.png --size 300", "size '300' is not WIDTHxHEIGHT"),
         ("bake ball.ply --picture out.png --size 0x10", "a picture of 0x10 pixels"),

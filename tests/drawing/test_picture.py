@@ -11,7 +11,7 @@ from PIL import Image
 
 import meshdepict as md
 from meshdepict import MeshdepictError
-from meshdepict.drawing.picture import check_picture, read_picture_provenance
+from meshdepict.drawing.picture_files import check_picture, read_picture_provenance
 from meshdepict.shapes import samples
 
 
@@ -188,7 +188,7 @@ def test_other_pictures_have_none(tmp_path):
 @pytest.mark.parametrize(
     ("name", "size", "sentence"),
     [
-        ("bar.jpg", (10, 10), "end the name with .png"),
+        ("bar.tif", (10, 10), "end the name with .png, .jpg, .svg or .pdf"),
         ("bar", (10, 10), "end the name with .png"),
         ("bar.png", (0, 10), "a picture of 0x10 pixels"),
         ("bar.png", (10, 20_000), "a picture of 10x20000 pixels"),

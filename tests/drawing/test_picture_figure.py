@@ -9,7 +9,7 @@ from meshdepict import MeshdepictError
 from meshdepict.drawing.canvas import on_ground
 from meshdepict.drawing.figure import Figure
 from meshdepict.drawing.framing import frame
-from meshdepict.drawing.scale_bar import draw_scale_bar
+from meshdepict.drawing.picture import finished
 from meshdepict.shapes import samples
 
 
@@ -24,6 +24,9 @@ from meshdepict.shapes import samples
         ("120x90mm", 300, (1417, 1063), 300),
         ("5x4in", 600, (3000, 2400), 600),
         ("2.54x1.27cm", None, (300, 150), 300),
+        ("A4", None, (2480, 3508), 300),
+        ("a4-landscape", 100, (1169, 827), 100),
+        ("A6", 254, (1050, 1480), 254),
     ],
 )
 def test_a_size_is_in_pixels_or_on_paper(given, dpi, pixels, dots):
@@ -53,9 +56,16 @@ def test_a_size_is_in_pixels_or_on_paper(given, dpi, pixels, dots):
         ({"unit": "parsec"}, "unit='parsec' is no length that a scale bar knows"),
         ({"unit": "mmm"}, "did you mean 'mm'"),
         ({"unit": 3}, "unit=3 is no length"),
-        ({"background": "red"}, "none of transparent, white, paper and no #rrggbb"),
+        (
+            {"background": "reddish"},
+            "none of transparent, paper, no name of a colour .* and no #rrggbb",
+        ),
+        ({"background": "ligthgray"}, "did you mean 'lightgray'"),
+        ({"background": "rgb(1,2,3)"}, "no #rrggbb"),
         ({"background": "#12345"}, "no #rrggbb"),
         ({"background": 7}, "no #rrggbb"),
+        ({"size": "A7"}, "A4 or A4-landscape"),
+        ({"caption": 3}, "caption=3 is no text"),
     ],
 )
 def test_other_figures_are_refused(words, sentence):
@@ -75,6 +85,8 @@ def test_grounds_have_their_colors():
     assert Figure().ground == (255, 255, 255)
     assert Figure(background="#0A10ff").ground == (10, 16, 255)
     assert Figure(background="transparent").ground is None
+    assert Figure(background="Tomato").ground == (255, 99, 71)
+    assert Figure(background="grey").ground == Figure(background="gray").ground == (128,) * 3
     assert max(Figure(background="paper").ground) < 240  # what is burnt out to white shows
 
 
@@ -173,6 +185,5 @@ def test_the_scale_bar_says_what_the_file_says_unless_told_otherwise():
 def draw(shape, figure):
     """Return a white picture with nothing but the scale bar of a shape's."""
     framing = frame(md.View.fitted("front", shape), shape, figure)
-    image = Image.new("RGB", framing.size, "white")
-    draw_scale_bar(image, framing, figure)
-    return np.asarray(image)
+    width, height = framing.drawn
+    return np.asarray(finished(np.zeros((height, width, 4), np.uint8), framing, figure))

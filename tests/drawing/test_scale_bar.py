@@ -5,7 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from meshdepict.drawing.scale_bar import _font, scale_bar
+from meshdepict.drawing.letters import font
+from meshdepict.drawing.scale_bar import scale_bar
 
 
 @pytest.mark.parametrize("extent", [1e-9, 0.0334, 0.9999, 1.0, 3.3333, 7, 66.6, 123456, 1e12])
@@ -39,6 +40,6 @@ def test_labels(extent, unit, label, parts):
 @pytest.mark.parametrize("letter", ["µ", "μ", "Å", "м", "′"])
 def test_letters_beyond_ascii_are_there(letter):
     """The box that stands for a missing letter is the same for all of them."""
-    font = _font(letter, 40)
-    missing = np.asarray(font.getmask("\U0010fffd"))
-    assert not np.array_equal(np.asarray(font.getmask(letter)), missing)
+    found = font(letter, 40)
+    missing = np.asarray(found.getmask("\U0010fffd"))
+    assert not np.array_equal(np.asarray(found.getmask(letter)), missing)

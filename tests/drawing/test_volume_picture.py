@@ -9,7 +9,7 @@ from volume_shapes import SOLID, blobs
 
 from meshdepict.baking.look import bake_volume
 from meshdepict.drawing.figure import Figure
-from meshdepict.drawing.picture import read_picture_provenance
+from meshdepict.drawing.picture_files import read_picture_provenance
 from meshdepict.drawing.volume_picture import draw_volume, save_volume_picture
 from meshdepict.errors import MeshdepictError
 from meshdepict.viewer.windows.clipping_box import ClippingBox
@@ -88,7 +88,7 @@ def test_planes_cut_off(baked):
 
 def test_what_can_t_be_drawn_is_refused(baked, tmp_path):
     with pytest.raises(MeshdepictError, match=r"end the name with \.png"):
-        save_volume_picture(baked, tmp_path / "a.jpg")
+        save_volume_picture(baked, tmp_path / "a.tif")
     bare = bake_volume(baked.space, "lambert")
     bare._shading = dataclasses.replace(bare._shading, transfer=None)
     with pytest.raises(MeshdepictError, match="needs a transfer function, and this bake has none"):

@@ -7,7 +7,7 @@ from volume_shapes import SOLID, WHITE, blobs
 from meshdepict.baking.look import bake_volume
 from meshdepict.color.transfer import PRESETS, TransferFunction
 from meshdepict.drawing import volume_scene
-from meshdepict.drawing.picture import read_picture_provenance
+from meshdepict.drawing.picture_files import read_picture_provenance
 from meshdepict.errors import MeshdepictError
 from meshdepict.io.volumes import read_volume
 from meshdepict.shapes.samples import ct_phantom
