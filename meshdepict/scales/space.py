@@ -5,13 +5,15 @@ The only step that knows what kind of shape it has. Everything after it works on
 
 from __future__ import annotations
 
+import threading
+from collections.abc import Callable, Iterable, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from meshdepict.errors import MeshdepictError
-from meshdepict.scales.ladder import FACING, TOLERANCE
+from meshdepict.scales.ladder import FACING, TOLERANCE, Progress, reporter
 
 if TYPE_CHECKING:
     from meshdepict.curvature.principal import PrincipalCurvatures
@@ -21,15 +23,22 @@ if TYPE_CHECKING:
     from meshdepict.shapes.mesh import Mesh
     from meshdepict.transport.occlusion import Openness
 
-__all__ = ["ScaleSpace"]
+__all__ = ["Fill", "ScaleSpace"]
+
+Fill = Callable[[int, NDArray[np.float32], Callable[[float], None] | None], None]
+"""Fills an array (3, n) with a scale's normals, telling shares of the work that are done."""
 
 
 class ScaleSpace:
     """Positions and unit normals of samples at every scale, from fine to coarse.
 
     Made by `scale_space`. Shading functions take it and ask for nothing else. Each kind of shape
-    has a class of its own (`MeshSpace`, `GridSpace`, `ImageSpace`) that says how its normals bend
-    (`_principal`, `_turns`), what rays can meet (`surface`) and how values are averaged (`mean`).
+    has a class of its own (`MeshSpace`, `GridSpace`, `ImageSpace`) that says how its normals are
+    smoothed (`_smoother`) and bend (`_principal`, `_turns`), what rays can meet (`surface`) and how
+    values are averaged (`mean`).
+
+    A set of normals is there once `smooth` was asked for it, or as soon as it is read: one by
+    `normals_at` or `planes_at`, some by `planes_of`, all by `normals` or `planes`.
 
     Attributes
     ----------
@@ -53,8 +62,9 @@ class ScaleSpace:
         points: NDArray[np.float64],
         widths: NDArray[np.float64],
         ratio: float,
-        planes: NDArray[np.float32],
+        own: NDArray[Any],
         *,
+        planes: NDArray[np.float32] | None = None,
         facing: int = FACING,
         tolerance: float = TOLERANCE,
     ) -> None:
@@ -64,18 +74,119 @@ class ScaleSpace:
         self.ratio = ratio
         self.facing = facing
         self.tolerance = tolerance
-        # Stored as (scale, axis, sample), so that kernels read each component in one sweep.
-        self.planes = planes
-        self.planes.setflags(write=False)
+        # Stored as (scale, axis, sample), so that kernels read each component in one sweep. What
+        # nobody writes to takes no memory.
+        if planes is None:
+            planes = np.empty((len(widths), *own.shape), np.float32)
+            planes[0] = own
+        self._planes = planes
+        self._there = {0}
+        self._smoothing = threading.RLock()
+        self._close()
         self._curvatures: dict[int, PrincipalCurvatures] = {}
         self._creases: dict[int, NDArray[np.float32]] = {}
         self._seen: dict[tuple[int, float], tuple[tuple[Any, ...], ViewCurvature]] = {}
         self._openness: dict[int, Openness] = {}
 
+    # --- normals ------------------------------------------------------------------------------
+
+    @property
+    def last(self) -> int:
+        """Number of the coarsest scale."""
+        return len(self.widths) - 1
+
+    @property
+    def smoothed(self) -> frozenset[int]:
+        """The scales whose normals are there by now."""
+        return frozenset(self._there)
+
+    @property
+    def planes(self) -> NDArray[np.float32]:
+        """Unit normals (scales + 1, 3, n), read-only; smooths what is missing."""
+        self.smooth()
+        return self._planes
+
     @property
     def normals(self) -> NDArray[np.float32]:
-        """Unit normals (scales + 1, n, 3), a read-only view."""
+        """Unit normals (scales + 1, n, 3), a read-only view; smooths what is missing."""
         return np.moveaxis(self.planes, 1, 2)
+
+    def planes_at(self, scale: int) -> NDArray[np.float32]:
+        """Return the unit normals (3, n) of a scale, read-only; smooths them if they aren't there.
+
+        Raises
+        ------
+        MeshdepictError
+            For a scale that isn't there.
+        """
+        scale = self._checked_scale(scale)
+        self.smooth((scale,))
+        found = self._planes[scale]
+        found.setflags(write=False)
+        return found
+
+    def normals_at(self, scale: int) -> NDArray[np.float32]:
+        """Return the unit normals (n, 3) of a scale; see `planes_at`."""
+        return self.planes_at(scale).T
+
+    def planes_of(self, scales: Sequence[int]) -> NDArray[np.float32]:
+        """Return the unit normals (k, 3, n) of k scales in this order, read-only.
+
+        A copy, unless they follow each other.
+        """
+        self.smooth(scales)
+        first = scales[0] if scales else 0
+        follow = list(scales) == list(range(first, first + len(scales)))
+        found = self._planes[first : first + len(scales)] if follow else self._planes[list(scales)]
+        found.setflags(write=False)
+        return found
+
+    def smooth(
+        self, scales: Iterable[int] | None = None, *, progress: Progress | None = None
+    ) -> None:
+        """Let the normals of some scales be there, with what they are made of.
+
+        Parameters
+        ----------
+        scales : iterable of int, optional
+            All unless given.
+        progress : callable, optional
+            ``progress(done, total)``, where there is something to be done.
+
+        Raises
+        ------
+        MeshdepictError
+            For a scale that isn't there.
+        """
+        wanted = range(len(self.widths)) if scales is None else map(self._checked_scale, scales)
+        wanted = set(wanted)
+        if wanted <= self._there:
+            return
+        with self._smoothing:
+            missing = self._missing(wanted)
+            fill = self._smoother()
+            for number, scale in enumerate(missing, 1):
+                done = reporter(progress, number, len(missing))
+                fill(scale, self._planes[scale], done)
+                self._there.add(scale)
+                if done:
+                    done(1.0)
+            self._close()
+
+    def _close(self) -> None:
+        """Let nobody write to the normals once all are there."""
+        if len(self._there) == len(self.widths):
+            self._planes.setflags(write=False)
+
+    def _missing(self, wanted: set[int]) -> list[int]:
+        """Return which scales are to be smoothed for some, fine to coarse."""
+        missing: set[int] = set()
+        while wanted:
+            scale = wanted.pop()
+            if scale not in self._there and scale not in missing:
+                missing.add(scale)
+                wanted.update(self._made_from(scale))
+        return sorted(missing)
 
     @property
     def finest_width(self) -> float:
@@ -114,7 +225,7 @@ class ScaleSpace:
         former, seen = self._seen.get((scale, foreshortening), (None, None))
         if seen is not None and former == sight:
             return seen
-        normals = self.normals[scale]
+        normals = self.normals_at(scale)
         if scale not in self._creases:
             self._creases[scale] = self._turns(scale)
         seen = view_tensor(
@@ -127,7 +238,7 @@ class ScaleSpace:
         return seen
 
     def _checked_scale(self, scale: int) -> int:
-        last = len(self.widths) - 1
+        last = self.last
         if isinstance(scale, bool) or scale not in range(last + 1):
             raise MeshdepictError(
                 f"scale={scale!r} is not one of the scale space's, 0 to {last}; make more with "
@@ -164,6 +275,14 @@ class ScaleSpace:
 
     # --- what depends on the kind of shape --------------------------------------------------
 
+    def _smoother(self) -> Fill:
+        """Return what fills in a scale's normals; those that it is made from are there."""
+        raise NotImplementedError
+
+    def _made_from(self, scale: int) -> tuple[int, ...]:
+        """Return the scales that this one is always made from."""
+        return (scale - 1,)
+
     @property
     def unit_points(self) -> NDArray[np.float64]:
         """(n, 3) positions moved to the shape's centre, in diagonals of the shape."""
@@ -197,7 +316,7 @@ class ScaleSpace:
     def _open(self, rays: int) -> Openness:
         from meshdepict.transport.occlusion import ambient_openness
 
-        return ambient_openness(self.surface, at=(self.points, self.normals[0]), rays=rays)
+        return ambient_openness(self.surface, at=(self.points, self.normals_at(0)), rays=rays)
 
     def __repr__(self) -> str:
         """Return the number of samples and the range of widths."""

@@ -7,12 +7,13 @@ mesh's own, so that their normals and curvature are the mesh's, at every scale.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from meshdepict.scales.space import ScaleSpace
+from meshdepict.scales.space import Fill, ScaleSpace
 
 if TYPE_CHECKING:
     from meshdepict.curvature.principal import PrincipalCurvatures
@@ -118,7 +119,7 @@ class ThinnedSpace(ScaleSpace):
     def __init__(self, space: ScaleSpace, chosen: NDArray[np.int64]) -> None:
         super().__init__(
             space.shape, space.points[chosen], space.widths, space.ratio,
-            np.ascontiguousarray(space.planes[:, :, chosen]),
+            space.planes_at(0)[:, chosen],
             facing=space.facing, tolerance=space.tolerance,
         )  # fmt: skip
         self._whole = space
@@ -127,6 +128,17 @@ class ThinnedSpace(ScaleSpace):
     def typical(self) -> ScaleSpace:
         """Return the samples of the whole."""
         return self._whole.typical()
+
+    def _smoother(self) -> Fill:
+        def fill(
+            scale: int, out: NDArray[np.float32], done: Callable[[float], None] | None
+        ) -> None:
+            out[:] = self._whole.planes_at(scale)[:, self._chosen]
+
+        return fill
+
+    def _made_from(self, scale: int) -> tuple[int, ...]:
+        return ()  # but from the whole's
 
     @property
     def surface(self) -> Mesh:
