@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshdepict.errors import MeshdepictError
+from meshdepict.scales.chosen_samples import ChosenSamples
 from meshdepict.scales.grid_smoothing import GridSmoothing
 from meshdepict.scales.ladder import TOLERANCE, Progress, reporter
 from meshdepict.scales.space import Fill, ScaleSpace
@@ -138,11 +139,7 @@ class GridSpace(ScaleSpace):
         """Return the samples of some slices along z."""
         slices = self.samples.indices()[:, 2]
         here = (slices >= begin) & (slices < end)
-        return ScaleSpace(
-            self.shape, self.points[here], self.widths, self.ratio,
-            np.ascontiguousarray(self.planes[:, :, here]),
-            facing=self.facing, tolerance=self.tolerance,
-        )  # fmt: skip
+        return _Slices(self, here)
 
     def typical(self) -> ScaleSpace:
         """Return the samples of the middle slices, as many of them as have enough."""
@@ -172,14 +169,14 @@ class GridSpace(ScaleSpace):
         return fill
 
     def _fall_back(self, scale: int) -> None:
-        self._grid_smoothing.fall_back(scale, self._planes, self._there, self.widths, self._first)
+        planes = np.asarray(self._room)
+        self._grid_smoothing.fall_back(scale, planes, set(self._sets), self.widths, self._first)
 
     def adopt(self, scales: Iterable[int]) -> None:
         """Take over sets of normals that are zero where there is no gradient."""
         for scale in sorted(scales):
             self._fall_back(scale)
-            self._there.add(scale)
-        self._close()
+            self._take(scale)
 
     def _made_from(self, scale: int) -> tuple[int, ...]:
         return ()  # but where there is no gradient, which is rare
@@ -204,6 +201,13 @@ class GridSpace(ScaleSpace):
         from meshdepict.curvature.grid import grid_neighbour_cosines
 
         return grid_neighbour_cosines(self.samples, self.planes_at(scale))
+
+
+class _Slices(ChosenSamples):
+    """The samples of some slices, which stand for the whole."""
+
+    def typical(self) -> ScaleSpace:
+        return self
 
 
 def typical_slices(between: Callable[[int, int], ScaleSpace], count: int) -> ScaleSpace:

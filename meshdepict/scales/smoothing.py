@@ -85,10 +85,10 @@ class NormalSums:
         share = np.maximum(length, _LEAST_RESULTANT * mass) / np.where(some, mass, 1.0)
         weak = some & (error > self.tolerance * share)
         if weak.any():
-            finer = float(self.tolerance * share[weak].min())
+            narrower = float(self.tolerance * share[weak].min())
             again = patch_sums(
                 self.patches, self.points, self.channels, scaled,
-                error=finer, targets=weak, heaviest=float(sums[0].max()),
+                error=narrower, targets=weak, heaviest=float(sums[0].max()),
             )  # fmt: skip
             vector = vector.astype(np.float64)
             along = None if reference is None else reference[:, weak]

@@ -29,6 +29,10 @@ Fill = Callable[[int, NDArray[np.float32], Callable[[float], None] | None], None
 """Fills an array (3, n) with a scale's normals, telling shares of the work that are done."""
 
 
+def _nothing(*_: Any) -> None:
+    """Fill in the normals of no samples."""
+
+
 class ScaleSpace:
     """Positions and unit normals of samples at every scale, from fine to coarse.
 
@@ -74,15 +78,16 @@ class ScaleSpace:
         self.ratio = ratio
         self.facing = facing
         self.tolerance = tolerance
-        # Stored as (scale, axis, sample), so that kernels read each component in one sweep. What
-        # nobody writes to takes no memory.
+        # Stored as (scale, axis, sample), so that kernels read each component in one sweep. Of the
+        # room for all sets only that takes memory which somebody has written to.
         if planes is None:
             planes = np.empty((len(widths), *own.shape), np.float32)
             planes[0] = own
-        self._planes = planes
-        self._there = {0}
+        self._room = planes.data
+        self._sets: dict[int, NDArray[np.float32]] = {}
+        self._all: NDArray[np.float32] | None = None
         self._smoothing = threading.RLock()
-        self._close()
+        self._take(0)
         self._curvatures: dict[int, PrincipalCurvatures] = {}
         self._creases: dict[int, NDArray[np.float32]] = {}
         self._seen: dict[tuple[int, float], tuple[tuple[Any, ...], ViewCurvature]] = {}
@@ -98,13 +103,14 @@ class ScaleSpace:
     @property
     def smoothed(self) -> frozenset[int]:
         """The scales whose normals are there by now."""
-        return frozenset(self._there)
+        return frozenset(self._sets)
 
     @property
     def planes(self) -> NDArray[np.float32]:
         """Unit normals (scales + 1, 3, n), read-only; smooths what is missing."""
         self.smooth()
-        return self._planes
+        assert self._all is not None
+        return self._all
 
     @property
     def normals(self) -> NDArray[np.float32]:
@@ -121,9 +127,7 @@ class ScaleSpace:
         """
         scale = self._checked_scale(scale)
         self.smooth((scale,))
-        found = self._planes[scale]
-        found.setflags(write=False)
-        return found
+        return self._sets[scale]
 
     def normals_at(self, scale: int) -> NDArray[np.float32]:
         """Return the unit normals (n, 3) of a scale; see `planes_at`."""
@@ -135,9 +139,9 @@ class ScaleSpace:
         A copy, unless they follow each other.
         """
         self.smooth(scales)
-        first = scales[0] if scales else 0
+        first, planes = scales[0], np.asarray(self._room)
         follow = list(scales) == list(range(first, first + len(scales)))
-        found = self._planes[first : first + len(scales)] if follow else self._planes[list(scales)]
+        found = planes[first : first + len(scales)] if follow else planes[list(scales)]
         found.setflags(write=False)
         return found
 
@@ -158,32 +162,34 @@ class ScaleSpace:
         MeshdepictError
             For a scale that isn't there.
         """
-        wanted = range(len(self.widths)) if scales is None else map(self._checked_scale, scales)
-        wanted = set(wanted)
-        if wanted <= self._there:
+        every = range(len(self.widths))
+        wanted = set(every if scales is None else map(self._checked_scale, scales))
+        if wanted <= self._sets.keys():
             return
         with self._smoothing:
             missing = self._missing(wanted)
-            fill = self._smoother()
+            fill = self._smoother() if len(self.points) else _nothing
             for number, scale in enumerate(missing, 1):
                 done = reporter(progress, number, len(missing))
-                fill(scale, self._planes[scale], done)
-                self._there.add(scale)
+                fill(scale, np.asarray(self._room)[scale], done)
+                self._take(scale)
                 if done:
                     done(1.0)
-            self._close()
 
-    def _close(self) -> None:
-        """Let nobody write to the normals once all are there."""
-        if len(self._there) == len(self.widths):
-            self._planes.setflags(write=False)
+    def _take(self, scale: int) -> None:
+        """Let a set be there that has been filled in; nobody may write to it any more."""
+        found = np.asarray(self._room)
+        found.setflags(write=False)
+        self._sets[scale] = found[scale]
+        if len(self._sets) == len(self.widths):
+            self._all = found
 
     def _missing(self, wanted: set[int]) -> list[int]:
         """Return which scales are to be smoothed for some, fine to coarse."""
         missing: set[int] = set()
         while wanted:
             scale = wanted.pop()
-            if scale not in self._there and scale not in missing:
+            if scale not in self._sets and scale not in missing:
                 missing.add(scale)
                 wanted.update(self._made_from(scale))
         return sorted(missing)
