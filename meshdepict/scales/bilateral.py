@@ -14,6 +14,7 @@ pixels at silhouettes, where a row of taps is on the surface or off it, turn by 
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Callable
 from typing import TYPE_CHECKING
@@ -26,7 +27,7 @@ from meshdepict.threads import each, kernel, spans, thread_count
 if TYPE_CHECKING:
     from meshdepict.shapes.gbuffer import GBuffer
 
-__all__ = ["bilateral_step", "bilateral_steps", "bilateral_taps"]
+__all__ = ["bilateral_step", "bilateral_steps", "bilateral_taps", "tap_counts"]
 
 Singles = NDArray[np.float32]
 
@@ -63,6 +64,19 @@ def bilateral_steps(
         return gbuffer.uncropped(normals)
 
     return step
+
+
+def tap_counts(widths: NDArray[np.float64], *, within: int) -> list[int]:
+    """Return how many taps make each scale of the one before; see `bilateral_steps`."""
+    counts = []
+    for finer, width in itertools.pairwise(map(float, widths)):
+        count = 0
+        for rung in _rungs(finer, width):
+            missing = math.sqrt(rung**2 - finer**2)
+            count += len(bilateral_taps(missing, smooth=finer, within=within)[1])
+            finer = rung
+        counts.append(count)
+    return counts
 
 
 def _rungs(finer: float, width: float) -> list[float]:
