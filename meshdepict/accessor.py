@@ -171,7 +171,7 @@ class _Surface:
         wanted["ratio"] = wanted["ratio"] or declared.ratio
         key = tuple(wanted.values())
         if key not in self._spaces:
-            self._spaces[key] = scale_space(self.mesh, **wanted)
+            self._spaces[key] = scale_space(self.mesh, **wanted, at_once=())
         return self._spaces[key]
 
     def of(self, dataset: Any) -> _Surface:

@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
+    from meshdepict.scales.reads import Reads
     from meshdepict.scales.space import ScaleSpace
     from meshdepict.shading.method import Declaration
     from meshdepict.shapes.mesh import Mesh
@@ -311,6 +312,10 @@ class Choices:
         if self.colormap2d is not None:
             return as_light(self.lit_by, view)
         return as_lighting(self.lit_by, view, up=self.axis(kind))
+
+    def reads(self, last: int) -> Reads:
+        """Return what the method reads of a scale space with so many smoothed sets."""
+        return self.declared.reads(last, self.options)
 
     def shade(self, space: ScaleSpace, light: LightsLike, view: View) -> NDArray[np.float32]:
         """Return what the method makes of a scale space's samples under a light."""

@@ -55,6 +55,7 @@ def with_sampled_planes(finer: FinerMesh, space: ScaleSpace) -> tuple[FinerMesh,
     again = mesh_space(
         sampled.mesh(), space.widths, space.ratio,
         facing=space.facing, tolerance=space.tolerance, normals=(pieces.vertices, pieces.corners),
+        at_once=space.smoothed,
     )  # fmt: skip
     after = FinerMesh(again.shape, pieces)
     after.most = finer.most

@@ -55,11 +55,12 @@ def bake_surface(shape: object, look: Choices, *, progress: Progress | None = No
     else:
         space = scale_space(
             mesh, scales=scales, width=look.width, ratio=ratio, facing=look.facing,
-            tolerance=look.tolerance, view=eye, progress=progress,
+            tolerance=look.tolerance, view=eye, at_once=(),
         )  # fmt: skip
+    space.smooth(look.reads(space.last).sets, progress=progress)
     look = look.settled(space)
     if space is not shape and not look.two_sided:  # viewers turn what they show
-        warn_of_backs(space.points, space.normals[0], eye)
+        warn_of_backs(space.points, space.normals_at(0), eye)
     linear = look.declared.linear
     local = look.declared.local and look.colormap2d is None and mesh.kind == "mesh"
 

@@ -146,6 +146,7 @@ def bake_grid(
             )
         made = {"scales": len(space.widths) - 1, "ratio": space.ratio, "transfer": space.transfer}
         look = look.replace(**made, tolerance=space.tolerance)
+        space.smooth(look.reads(space.last).sets, progress=progress)
         shading = voxel_shading(space.shape, look, transfer=space.transfer, widths=space.widths)
     else:
         shape = as_volume(volume)
@@ -156,7 +157,8 @@ def bake_grid(
             return _by_slabs(shading, counts, memory, progress)
         space = space_of_mask(
             shape, mask, shading.widths, shading.ratio,
-            transfer=shading.transfer, tolerance=look.tolerance, memory=memory, progress=progress,
+            transfer=shading.transfer, tolerance=look.tolerance, memory=memory,
+            at_once=shading.sets, progress=progress,
         )  # fmt: skip
     shading = shading.settled(space)
     intensity = shading.shade(space)

@@ -76,10 +76,15 @@ class VoxelShading:
             space, _ = self._space(piece_of(begin, end), (begin, 0, 0), (end, ny, nx))
             if space is not None:
                 return space.between(begin, end)
-            none = np.empty((len(self.widths), 3, 0), np.float32)
+            none = np.empty((3, 0), np.float32)
             return ScaleSpace(self.shape, np.empty((0, 3)), self.widths, self.ratio, none)
 
         return self.settled(typical_slices(between, nz))
+
+    @property
+    def sets(self) -> frozenset[int]:
+        """The scales whose normals are read."""
+        return self.look.reads(len(self.widths) - 1).sets
 
     def shade(self, space: GridSpace) -> NDArray[np.float32]:
         """Return the method's values for the samples of a space."""
@@ -147,7 +152,7 @@ class VoxelShading:
             return None, size
         space = piece_space(
             self.shape, piece, Samples.of_mask(shown, begin), self.widths, self.ratio,
-            transfer=self.transfer, tolerance=self.tolerance,
+            transfer=self.transfer, tolerance=self.tolerance, at_once=self.sets,
         )  # fmt: skip
         return space, size
 

@@ -11,9 +11,10 @@ from typing import TYPE_CHECKING, Any
 from meshdepict import threads
 
 if TYPE_CHECKING:
+    from meshdepict.baking.look import Look
     from meshdepict.shapes.mesh import Mesh
 
-__all__ = ["info", "method", "methods", "predicted"]
+__all__ = ["explained", "info", "method", "methods", "predicted"]
 
 # A default bake: the program itself, and core-seconds and bytes of each vertex
 # (scripts/cost_constants.py --bakes measures the four).
@@ -21,6 +22,10 @@ _START_SECONDS = 0.5
 _VERTEX_SECONDS = 65e-6
 _START_BYTES = 160e6
 _VERTEX_BYTES = 1300
+# Of these, of files alone: reading, own normals, writing; and of the voxels of a volume.
+_FILE_SECONDS = 9e-6
+_FILE_BYTES = 1000
+_VOXEL_FILE_SECONDS = 0.1e-6
 
 
 def methods() -> str:
@@ -107,6 +112,42 @@ def _volume_info(path: Path) -> str:
     return f"{path}\n{_columns(rows, indent='  ')}"
 
 
+def explained(path: Path, look: Look) -> str:
+    """Return what a bake of a file computes, step by step, with its predicted cost."""
+    from meshdepict.baking.plan import plan
+    from meshdepict.io import read_mesh
+    from meshdepict.io.volumes import is_volume_path, read_volume
+
+    if is_volume_path(path):
+        volume = read_volume(path)
+        found, count, what = plan(volume, look), volume.n_samples, "voxels"
+        seconds, size = _VOXEL_FILE_SECONDS * count, float(volume.values.nbytes)
+    else:
+        mesh = read_mesh(path)
+        found, count, what = plan(mesh, look), len(mesh.vertices), "vertices"
+        seconds, size = _FILE_SECONDS * count, _FILE_BYTES * count
+    cores = threads.thread_count()
+    work = seconds + found.seconds
+    steps = [
+        ("program", "", _START_SECONDS, _START_BYTES),
+        ("file", f"{count:,} {what}", seconds, size),
+        *found.steps,
+        ("", "while normals are smoothed", 0.0, found.working),
+        (
+            "together", f"on {cores} cores about {_duration(_START_SECONDS + work / cores)}",
+            _START_SECONDS + work, _START_BYTES + size + found.size,
+        ),
+    ]  # fmt: skip
+    rows = [("", "", "seconds of a core", "memory")]
+    rows += [(a, b, f"{s:.2f}" if s else "", _bytes(m) if m else "") for a, b, s, m in steps]
+    text = f"{look.method} of {path}\n{_columns(rows, indent='  ')}"
+    left = [str(scale) for scale in range(1, len(found.widths)) if scale not in found.sets]
+    if left:
+        noun = "scale" if len(left) == 1 else "scales"
+        text += f"\n  left out: normals of {noun} {', '.join(left)}, which nobody reads"
+    return text
+
+
 def predicted(mesh: Mesh) -> tuple[float, float]:
     """Return roughly the seconds and bytes that a bake with default options takes.
 
@@ -180,4 +221,6 @@ def _duration(seconds: float) -> str:
 
 
 def _bytes(size: float) -> str:
+    if size < 1e7:
+        return f"{size / 1e6:.1f} MB"
     return f"{size / 1e6:.0f} MB" if size < 1e9 else f"{size / 1e9:.1f} GB"

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import functools
+import operator
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -19,6 +21,7 @@ from meshdepict.errors import MeshdepictError
 from meshdepict.options import as_text, check, options_of
 from meshdepict.scales.ladder import FACING, TOLERANCE, Progress
 from meshdepict.scales.making import scale_space
+from meshdepict.scales.reads import Reads
 from meshdepict.scene.light import Light
 from meshdepict.scene.names import as_light, light_angles
 from meshdepict.scene.view import View
@@ -125,8 +128,8 @@ def compare(
 ) -> Comparison:
     """Shade a mesh by several methods under several lights, and score them all.
 
-    All methods share one scale space. Methods that can see with the view's eye do so here
-    (``curvature="view"``), as they were published.
+    All methods share one scale space, smoothed at those widths that one of them reads. Methods that
+    can see with the view's eye do so here (``curvature="view"``), as they were published.
 
     Parameters
     ----------
@@ -181,7 +184,10 @@ def compare(
         "scales": scales, "width": width, "ratio": ratio, "facing": facing, "tolerance": tolerance,
     }  # fmt: skip
     half = (lambda done, total: progress(done / total * steps, 2 * steps)) if progress else None
-    space = scale_space(buffer if per_pixel else mesh, **smoothing, view=eye, progress=half)
+    space = scale_space(buffer if per_pixel else mesh, **smoothing, view=eye, at_once=())
+    for_all = zip(functions.values(), chosen, strict=True)
+    reads = (Look(function, **given).reads(space.last) for function, given in for_all)
+    space.smooth(functools.reduce(operator.or_, reads, Reads()).sets, progress=half)
 
     def shaded(function: Shading, lamp: Light, options: Mapping[str, Any]) -> NDArray[Any]:
         values = Look(function, **options).shade(space, lamp, eye)

@@ -14,7 +14,9 @@ pixels at silhouettes, where a row of taps is on the surface or off it, turn by 
 
 from __future__ import annotations
 
+import itertools
 import math
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -23,10 +25,9 @@ from numpy.typing import NDArray
 from meshdepict.threads import each, kernel, spans, thread_count
 
 if TYPE_CHECKING:
-    from meshdepict.scales.ladder import Progress
     from meshdepict.shapes.gbuffer import GBuffer
 
-__all__ = ["bilateral_scales", "bilateral_step", "bilateral_taps"]
+__all__ = ["bilateral_step", "bilateral_steps", "bilateral_taps", "tap_counts"]
 
 Singles = NDArray[np.float32]
 
@@ -38,39 +39,44 @@ _FIRST, _RUNG = 4.0, 2.5  # widest first step, in pixels, and largest ratio of l
 _NO_RESULTANT = 1e-6  # as on meshes: below it the finer normal is kept
 
 
-def bilateral_scales(
-    gbuffer: GBuffer,
-    planes: Singles,
-    widths: NDArray[np.float64],
-    *,
-    depth_range: float = 1.0,
-    progress: Progress | None = None,
-) -> None:
-    """Fill the scales of planes (scales + 1, 3, n) but the first, each from the one before.
+def bilateral_steps(
+    gbuffer: GBuffer, widths: NDArray[np.float64], *, depth_range: float = 1.0
+) -> Callable[[int, Singles], Singles]:
+    """Return what makes a scale's normals (3, n) of those of the one before.
 
     Parameters
     ----------
     gbuffer : GBuffer
-    planes : array of float32
-        ``planes[0]`` are the normals; the others are written.
     widths : (scales + 1,) array
         In pixels, the first one 0. A step's kernel is what is missing from the finer width; a wide
         gap is climbed by rungs between, so that every step can do with few taps.
     depth_range : float
         See `bilateral_step`.
-    progress : callable, optional
     """
     depth = gbuffer.cropped(gbuffer.depth_steps.astype(np.float32))
-    normals = gbuffer.cropped(planes[0])
-    finer = 0.0
-    for scale in range(1, len(planes)):
+
+    def step(scale: int, before: Singles) -> Singles:
+        normals, finer = gbuffer.cropped(before), float(widths[scale - 1])
         for rung in _rungs(finer, float(widths[scale])):
             missing = math.sqrt(rung**2 - finer**2)
             normals = bilateral_step(normals, depth, missing, smooth=finer, depth_range=depth_range)
             finer = rung
-        planes[scale] = gbuffer.uncropped(normals)
-        if progress:
-            progress(scale, len(planes) - 1)
+        return gbuffer.uncropped(normals)
+
+    return step
+
+
+def tap_counts(widths: NDArray[np.float64], *, within: int) -> list[int]:
+    """Return how many taps make each scale of the one before; see `bilateral_steps`."""
+    counts = []
+    for finer, width in itertools.pairwise(map(float, widths)):
+        count = 0
+        for rung in _rungs(finer, width):
+            missing = math.sqrt(rung**2 - finer**2)
+            count += len(bilateral_taps(missing, smooth=finer, within=within)[1])
+            finer = rung
+        counts.append(count)
+    return counts
 
 
 def _rungs(finer: float, width: float) -> list[float]:

@@ -9,6 +9,7 @@ width √(2·dt·k) pixels.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -17,10 +18,9 @@ from numpy.typing import NDArray
 from meshdepict.threads import each, kernel, spans, thread_count
 
 if TYPE_CHECKING:
-    from meshdepict.scales.ladder import Progress
     from meshdepict.shapes.gbuffer import GBuffer
 
-__all__ = ["MOST_STEPS", "STEP", "diffuse", "diffused_scales", "diffusion_width", "step_count"]
+__all__ = ["MOST_STEPS", "STEP", "diffuse", "diffusion_steps", "diffusion_width", "step_count"]
 
 Singles = NDArray[np.float32]
 
@@ -39,44 +39,48 @@ def step_count(width: float) -> int:
     return max(1, math.ceil(width**2 / 2 / STEP - 1e-9))
 
 
-def diffused_scales(
+def diffusion_steps(
     gbuffer: GBuffer,
-    planes: Singles,
+    own: Singles,
     widths: NDArray[np.float64],
     conductance: Singles,
     *,
     importance: Singles | None = None,
-    progress: Progress | None = None,
-) -> None:
-    """Fill the scales of planes (scales + 1, 3, n) but the first with normals of diffused slopes.
+) -> Callable[[int, Singles], Singles]:
+    """Return what makes a scale's normals (3, n) of diffused slopes, one scale after the other.
 
     Parameters
     ----------
     gbuffer : GBuffer
         In the frame of whose view slopes are.
-    planes : array of float32
-        ``planes[0]`` are the normals; the others are written.
+    own : (3, n) array of float32
+        The unsmoothed normals.
     widths : (scales + 1,) array
         In pixels, the first one 0.
     conductance, importance : (n,) array of float32
-    progress : callable, optional
     """
     frame = gbuffer.view.frame.astype(np.float32)
-    x, y, z = frame @ planes[0]
-    original = slopes = gbuffer.cropped(np.stack([-x, -y]) / np.maximum(z, np.float32(_STEEPEST)))
+    x, y, z = frame @ own
+    original = gbuffer.cropped(np.stack([-x, -y]) / np.maximum(z, np.float32(_STEEPEST)))
     stops = gbuffer.cropped(conductance)
     share = None if importance is None else gbuffer.cropped(importance)
-    for scale in range(1, len(planes)):
+    coarsest = 0, original  # slopes, which normals have rounded
+
+    def step(scale: int, before: Singles) -> Singles:
+        nonlocal coarsest
         if share is None:  # on from the next finer scale
-            missing = math.sqrt(widths[scale] ** 2 - widths[scale - 1] ** 2)
-            slopes = diffuse(slopes, stops, missing)
+            known, slopes = coarsest
+            if known < scale:
+                missing = math.sqrt(widths[scale] ** 2 - widths[known] ** 2)
+                slopes = diffuse(slopes, stops, missing)
+                coarsest = scale, slopes
         else:
             slopes = diffuse(original, stops, float(widths[scale]), importance=share)
         gx, gy = gbuffer.uncropped(slopes)
         normals = np.stack([-gx, -gy, np.ones_like(gx)])
-        planes[scale] = frame.T @ (normals / np.sqrt(gx * gx + gy * gy + 1))
-        if progress:
-            progress(scale, len(planes) - 1)
+        return np.asarray(frame.T @ (normals / np.sqrt(gx * gx + gy * gy + 1)))
+
+    return step
 
 
 def diffuse(

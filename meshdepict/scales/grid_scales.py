@@ -5,7 +5,7 @@ Normals are −∇f/‖∇f‖: outwards from what is dense. Scale 0 is the cent
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -13,14 +13,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshdepict.errors import MeshdepictError
+from meshdepict.scales.chosen_samples import ChosenSamples
+from meshdepict.scales.grid_smoothing import GridSmoothing
 from meshdepict.scales.ladder import TOLERANCE, Progress, reporter
-from meshdepict.scales.space import ScaleSpace
+from meshdepict.scales.space import Fill, ScaleSpace
 from meshdepict.voxels.grid_normals import (
     Scattered,
-    completed,
     gradients_to_world,
     in_voxels,
     least_gradient,
+    packed,
 )
 from meshdepict.voxels.grid_samples import Samples, shaded_voxels
 from meshdepict.voxels.grid_sums import GRADIENT, GridSums, Piece
@@ -74,24 +76,27 @@ class GridSpace(ScaleSpace):
 
     def __init__(
         self,
-        shape: Grid,
-        piece: Piece,
-        sums: GridSums,
+        smoothing: GridSmoothing,
         flat: Samples,
         gradient: NDArray[np.float64],
         widths: NDArray[np.float64],
         ratio: float,
         planes: NDArray[np.float32],
+        first: NDArray[np.int8],
         *,
         transfer: TransferFunction | None,
-        tolerance: float,
     ) -> None:
-        points = sums.samples.indices().astype(np.float64)
+        shape, self.samples = smoothing.grid, smoothing.samples
+        points = self.samples.indices().astype(np.float64)
         for part in np.array_split(points, len(points) // _PART + 1):
             part[:] = shape.to_world(part)
-        super().__init__(shape, points, widths, ratio, planes, facing=0, tolerance=tolerance)
+        super().__init__(
+            shape, points, widths, ratio, planes[0], planes=planes, facing=0,
+            tolerance=smoothing.tolerance,
+        )  # fmt: skip
         self.flat, self.gradient, self.transfer = flat, gradient, transfer
-        self._sums, self.samples, self._piece = sums, sums.samples, piece
+        self._sums, self._piece = smoothing.sums, smoothing.piece
+        self._grid_smoothing, self._first = smoothing, first
 
     @cached_property
     def voxels(self) -> NDArray[np.int64]:
@@ -134,11 +139,7 @@ class GridSpace(ScaleSpace):
         """Return the samples of some slices along z."""
         slices = self.samples.indices()[:, 2]
         here = (slices >= begin) & (slices < end)
-        return ScaleSpace(
-            self.shape, self.points[here], self.widths, self.ratio,
-            np.ascontiguousarray(self.planes[:, :, here]),
-            facing=self.facing, tolerance=self.tolerance,
-        )  # fmt: skip
+        return _Slices(self, here)
 
     def typical(self) -> ScaleSpace:
         """Return the samples of the middle slices, as many of them as have enough."""
@@ -158,6 +159,28 @@ class GridSpace(ScaleSpace):
         some = mass > 0
         return np.where(some, total / np.where(some, mass, 1), values)
 
+    def _smoother(self) -> Fill:
+        def fill(
+            scale: int, out: NDArray[np.float32], done: Callable[[float], None] | None
+        ) -> None:
+            self._grid_smoothing.fill(float(self.widths[scale]), out, done)
+            self._fall_back(scale)
+
+        return fill
+
+    def _fall_back(self, scale: int) -> None:
+        planes = np.asarray(self._room)
+        self._grid_smoothing.fall_back(scale, planes, set(self._sets), self.widths, self._first)
+
+    def adopt(self, scales: Iterable[int]) -> None:
+        """Take over sets of normals that are zero where there is no gradient."""
+        for scale in sorted(scales):
+            self._fall_back(scale)
+            self._take(scale)
+
+    def _made_from(self, scale: int) -> tuple[int, ...]:
+        return ()  # but where there is no gradient, which is rare
+
     def _principal(self, scale: int) -> PrincipalCurvatures:
         from meshdepict.curvature.grid import HESSIAN, isosurface_curvatures
 
@@ -167,13 +190,24 @@ class GridSpace(ScaleSpace):
         self._sums.derivatives(widths, (*GRADIENT, *HESSIAN), found)
         floor = least_gradient(float(self.widths[scale]), self.shape)
         return isosurface_curvatures(
-            found, self.planes[scale], gradients_to_world(self.shape), floor, float(spacing.min())
+            found,
+            self.planes_at(scale),
+            gradients_to_world(self.shape),
+            floor,
+            float(spacing.min()),
         )
 
     def _turns(self, scale: int) -> NDArray[np.float32]:
         from meshdepict.curvature.grid import grid_neighbour_cosines
 
-        return grid_neighbour_cosines(self.samples, self.planes[scale])
+        return grid_neighbour_cosines(self.samples, self.planes_at(scale))
+
+
+class _Slices(ChosenSamples):
+    """The samples of some slices, which stand for the whole."""
+
+    def typical(self) -> ScaleSpace:
+        return self
 
 
 def typical_slices(between: Callable[[int, int], ScaleSpace], count: int) -> ScaleSpace:
@@ -204,6 +238,7 @@ def grid_space(
     transfer: TransferFunction | None = None,
     tolerance: float = TOLERANCE,
     memory: float = MEMORY,
+    at_once: Iterable[int] | None = None,
     progress: Progress | None = None,
 ) -> GridSpace:
     """Return normals at every width at the voxels of a volume that are shown, and beside them.
@@ -223,6 +258,8 @@ def grid_space(
         range or more within one width.
     memory : float
         Bytes that the normals may take.
+    at_once
+        As for `scale_space`.
     progress : callable, optional
         ``progress(done, total)``.
 
@@ -234,7 +271,7 @@ def grid_space(
     """
     return space_of_mask(
         volume, shaded_voxels(volume, where, transfer), widths, ratio,
-        transfer=transfer, tolerance=tolerance, memory=memory, progress=progress,
+        transfer=transfer, tolerance=tolerance, memory=memory, at_once=at_once, progress=progress,
     )  # fmt: skip
 
 
@@ -247,7 +284,8 @@ def space_of_mask(
     transfer: TransferFunction | None,
     tolerance: float,
     memory: float,
-    progress: Progress | None,
+    at_once: Iterable[int] | None = None,
+    progress: Progress | None = None,
 ) -> GridSpace:
     """Return the scale space of the voxels of a mask; see `grid_space`."""
     samples = Samples.of_mask(mask)
@@ -268,7 +306,7 @@ def space_of_mask(
     piece = Piece(volume.values, (0, 0, 0), (shape[0], shape[1], shape[2]), volume.range)
     space = piece_space(
         volume, piece, samples, widths, ratio,
-        transfer=transfer, tolerance=tolerance, progress=progress,
+        transfer=transfer, tolerance=tolerance, at_once=at_once, progress=progress,
     )  # fmt: skip
     if not len(space.points):
         raise MeshdepictError("the voxels shown are all alike, so that there is nothing to shade")
@@ -296,42 +334,39 @@ def piece_space(
     *,
     transfer: TransferFunction | None,
     tolerance: float,
+    at_once: Iterable[int] | None = None,
     progress: Progress | None = None,
 ) -> GridSpace:
     """Return the scale space of chosen voxels, of which a piece of the volume is at hand.
 
     It has no samples where none of them is left by the gradient opacity, or has a gradient.
     """
-    from meshdepict.voxels.gaussian_gradient import normalise
-
-    spacing, matrix = shape.spacing, gradients_to_world(shape)
-    sums = GridSums(piece, samples, tolerance)
+    smoothing = GridSmoothing(shape, piece, samples, tolerance)
     own, gradient = np.empty((3, len(samples)), np.float32), np.empty(len(samples))
     if len(samples):
-        sums.derivatives(np.zeros(3), GRADIENT, own)
-        normalise(own, matrix, least_gradient(0, shape), None, gradient)
+        smoothing.fill(0.0, own, lengths=gradient)
         with np.errstate(over="ignore"):
-            gradient *= piece.half_range / float(spacing.min())
+            gradient *= piece.half_range / float(shape.spacing.min())
         np.minimum(gradient, np.finfo(np.float64).max, out=gradient)
     if transfer is not None and transfer.gradient_opacity is not None:
         keep = samples.beside(_opacity(transfer, shape, piece, samples, gradient) > 0)
-        samples, own, gradient = samples.kept(keep), own[:, keep], gradient[keep]
-        sums = GridSums(piece, samples, tolerance)
-    scales = len(widths) - 1
-    planes = np.empty((scales + 1, 3, len(samples)), np.float32)
+        smoothing, own, gradient = smoothing.kept(keep), own[:, keep], gradient[keep]
+        samples = smoothing.samples
+    planes = np.empty((len(widths), 3, len(samples)), np.float32)
     planes[0] = own
     del own
-    for scale in range(1, scales + 1) if len(samples) else ():
-        done: Callable[[float], None] | None = reporter(progress, scale, scales)
-        sums.derivatives(in_voxels(widths[scale], shape), GRADIENT, planes[scale], done)
-        floor = least_gradient(float(widths[scale]), shape)
-        normalise(planes[scale], matrix, floor, planes[scale - 1])
-    planes, bent = completed(planes)
+    wanted = set(range(len(widths)) if at_once is None else at_once) - {0}
+    for number, scale in enumerate(sorted(wanted) if len(samples) else (), 1):
+        done = reporter(progress, number, len(wanted))
+        smoothing.fill(float(widths[scale]), planes[scale], done)
+    first = smoothing.first_normals(planes, wanted, widths)
+    bent = first >= 0
     flat = samples.kept(~bent)
     if len(flat):
-        gradient = gradient[bent]
-        sums = GridSums(piece, samples.kept(bent), tolerance)
-    return GridSpace(
-        shape, piece, sums, flat, gradient, widths, float(ratio), planes,
-        transfer=transfer, tolerance=tolerance,
-    )  # fmt: skip
+        planes = packed(planes, bent, (0, *sorted(wanted)))
+        first, gradient, smoothing = first[bent], gradient[bent], smoothing.kept(bent)
+    space = GridSpace(
+        smoothing, flat, gradient, widths, float(ratio), planes, first, transfer=transfer
+    )
+    space.adopt(wanted)
+    return space

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Iterable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -11,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from meshdepict.errors import MeshdepictError
 from meshdepict.options import nearest
 from meshdepict.scales.ladder import Progress, check_ladder, ladder
-from meshdepict.scales.space import ScaleSpace
+from meshdepict.scales.space import Fill, ScaleSpace
 from meshdepict.shapes.gbuffer import GBuffer
 from meshdepict.shapes.lengths import resolve_width
 
@@ -27,6 +28,9 @@ __all__ = ["FILTERS", "ImageSpace", "image_space"]
 Floats = NDArray[np.float64]
 Singles = NDArray[np.float32]
 
+Step = Callable[[int, Singles], Singles]
+"""Makes a scale's normals (3, n) of the next finer ones."""
+
 FILTERS = ("bilateral", "diffusion", "none")
 
 # |Δ ln depth| between neighbouring pixels at which a silhouette begins, and at which it is one.
@@ -37,7 +41,23 @@ class ImageSpace(ScaleSpace):
     """Samples at the pixels of a G-buffer; ``filter`` says how they were smoothed."""
 
     shape: GBuffer
-    filter: str
+
+    def __init__(
+        self,
+        gbuffer: GBuffer,
+        widths: NDArray[np.float64],
+        ratio: float,
+        filter: str,  # noqa: A002 - the word of the field
+        step: Step,
+    ) -> None:
+        super().__init__(gbuffer, gbuffer.points, widths, ratio, gbuffer.normals.T)
+        self.filter, self._step = filter, step
+
+    def _smoother(self) -> Fill:
+        def fill(scale: int, out: Singles, done: Callable[[float], None] | None) -> None:
+            out[:] = self._step(scale, self.planes_at(scale - 1))
+
+        return fill
 
     @property
     def surface(self) -> Mesh:
@@ -103,7 +123,7 @@ class ImageSpace(ScaleSpace):
             return seen
         (x, y, z), _ = eye_frames(self.points, self.shape.view)
         hessian = sobel_hessian(
-            self.shape.index, self.planes[scale], self.shape.depth_steps,
+            self.shape.index, self.planes_at(scale), self.shape.depth_steps,
             np.stack([x, y, z], axis=1), steepest=self._steepest, foreshortening=foreshortening,
         )  # fmt: skip
         (ku, kv), (cosine, sine) = eigenvalues(*hessian)
@@ -112,7 +132,7 @@ class ImageSpace(ScaleSpace):
             kv,
             (cosine[:, None] * x + sine[:, None] * y).astype(np.float32),
             (cosine[:, None] * y - sine[:, None] * x).astype(np.float32),
-            _conductance(self.shape, self.planes[scale]),
+            _conductance(self.shape, self.planes_at(scale)),
         )
         for array in seen:
             array.setflags(write=False)
@@ -132,7 +152,7 @@ class ImageSpace(ScaleSpace):
         (_, _, z), _ = eye_frames(self.points, self.shape.view)
         right, up, _ = self.shape.view.frame
         k, d = sobel_principal(
-            self.shape.index, self.planes[scale], self.shape.depth_steps,
+            self.shape.index, self.planes_at(scale), self.shape.depth_steps,
             np.ascontiguousarray(z), right, up, steepest=self._steepest,
         )  # fmt: skip
         return PrincipalCurvatures(*(k / self.shape.pixel_sizes), *d)
@@ -140,7 +160,7 @@ class ImageSpace(ScaleSpace):
     def _turns(self, scale: int) -> Singles:
         from meshdepict.curvature.image import least_cosines
 
-        return least_cosines(self.shape.index, self.planes[scale])
+        return least_cosines(self.shape.index, self.planes_at(scale))
 
     def _open(self, rays: int) -> Openness:
         from meshdepict.transport.occlusion import Openness
@@ -160,6 +180,7 @@ def image_space(
     depth_range: float = 1.0,
     iterations: int | None = None,
     importance: ArrayLike | None = None,
+    at_once: Iterable[int] | None = None,
     progress: Progress | None = None,
 ) -> ImageSpace:
     """Smooth the normals of a G-buffer at a geometric series of widths.
@@ -182,6 +203,8 @@ def image_space(
         Of "diffusion": one scale of so many steps of 0.2, in place of scales and width.
     importance : (n,) or (height, width) array_like in [0, 1], optional
         Of "diffusion": 1 keeps a pixel as it is, 0 diffuses it all the way.
+    at_once
+        As for `scale_space`.
     progress : callable, optional
         ``progress(done, total)``.
 
@@ -213,11 +236,9 @@ def image_space(
             raise MeshdepictError(f"iterations={iterations!r} is not a whole number from 1 on")
         scales, first = 1, diffusion_width(int(iterations)) * gbuffer.edge_length
     widths = ladder(0 if filter == "none" else scales, ratio, first)
-    planes = np.empty((len(widths), 3, len(gbuffer.normals)), np.float32)
-    planes[0] = gbuffer.normals.T
     pixels = widths / gbuffer.edge_length
     if filter == "diffusion":
-        from meshdepict.scales.diffusion import MOST_STEPS, diffused_scales, step_count
+        from meshdepict.scales.diffusion import MOST_STEPS, diffusion_steps, step_count
 
         count = step_count(float(pixels[-1]))
         if count > MOST_STEPS:
@@ -225,15 +246,15 @@ def image_space(
                 f"a width of {pixels[-1]:.4g} pixels would take {count:.3g} steps of diffusion, at "
                 f"most {MOST_STEPS:,} are possible: make width, scales or the picture smaller"
             )
-        stops = _conductance(gbuffer, planes[0])
+        own = np.ascontiguousarray(gbuffer.normals.T, np.float32)
         share = _per_sample(importance, gbuffer)
-        diffused_scales(gbuffer, planes, pixels, stops, importance=share, progress=progress)
+        step = diffusion_steps(gbuffer, own, pixels, _conductance(gbuffer, own), importance=share)
     else:
-        from meshdepict.scales.bilateral import bilateral_scales
+        from meshdepict.scales.bilateral import bilateral_steps
 
-        bilateral_scales(gbuffer, planes, pixels, depth_range=depth_range, progress=progress)
-    space = ImageSpace(gbuffer, gbuffer.points, widths, float(ratio), planes)
-    space.filter = filter
+        step = bilateral_steps(gbuffer, pixels, depth_range=depth_range)
+    space = ImageSpace(gbuffer, widths, float(ratio), filter, step)
+    space.smooth(at_once, progress=progress)
     return space
 
 

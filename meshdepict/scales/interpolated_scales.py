@@ -6,6 +6,7 @@ shading: the reference that colours interpolated between vertices are judged by.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -13,7 +14,7 @@ from numpy.typing import NDArray
 
 from meshdepict.curvature.frames import halved_angle, tangents
 from meshdepict.curvature.principal import PrincipalCurvatures
-from meshdepict.scales.space import ScaleSpace
+from meshdepict.scales.space import Fill, ScaleSpace
 
 if TYPE_CHECKING:
     from meshdepict.shapes.mesh import Mesh
@@ -49,14 +50,11 @@ class InterpolatedSpace(ScaleSpace):
     ) -> None:
         self.source, self._corners = source, np.ascontiguousarray(corners)
         self._weights = np.ascontiguousarray(weights, np.float64)
-        planes = np.empty((len(source.widths), 3, len(corners)), np.float32)
-        for scale, vectors in enumerate(source.normals):
-            given = scale == 0 and normals is not None
-            planes[scale] = (normals if given else self._unit(vectors)).T  # type: ignore[union-attr]
+        own = self._unit(source.normals_at(0)) if normals is None else normals
         points = self._spread(source.unit_points)
         points = points * (source.shape.diagonal or 1.0) + source.shape.centre
         super().__init__(
-            source.shape, points, source.widths, source.ratio, planes,
+            source.shape, points, source.widths, source.ratio, own.T,
             facing=source.facing, tolerance=source.tolerance,
         )  # fmt: skip
 
@@ -73,6 +71,17 @@ class InterpolatedSpace(ScaleSpace):
         """Interpolate values of the vertices."""
         return self._spread(self.source.of_vertices(values))
 
+    def _smoother(self) -> Fill:
+        def fill(
+            scale: int, out: NDArray[np.float32], done: Callable[[float], None] | None
+        ) -> None:
+            out[:] = self._unit(self.source.normals_at(scale)).T
+
+        return fill
+
+    def _made_from(self, scale: int) -> tuple[int, ...]:
+        return ()  # but from the source's
+
     def _spread(self, values: NDArray[Any]) -> Floats:
         """Interpolate values (vertices, …)."""
         return np.einsum("nc,nc...->n...", self._weights, values[self._corners])
@@ -87,7 +96,7 @@ class InterpolatedSpace(ScaleSpace):
     def _principal(self, scale: int) -> PrincipalCurvatures:
         """Interpolate the shape operators and take their part in the tangent plane."""
         k1, k2, d1, d2 = self.source.curvature(scale)
-        normal = self.normals[scale].astype(np.float64)
+        normal = self.normals_at(scale).astype(np.float64)
         a = tangents(normal)
         b = np.cross(normal, a)
         aa = ab = bb = np.zeros(len(normal))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,6 +30,7 @@ def scale_space(
     facing: int = FACING,
     tolerance: float = TOLERANCE,
     view: View | str | None = None,
+    at_once: Iterable[int] | None = None,
     progress: Progress | None = None,
 ) -> ScaleSpace:
     """Smooth the normals of a shape at a geometric series of widths (Exaggerated Shading, §3).
@@ -55,6 +57,8 @@ def scale_space(
         `bilateral`.
     view : View or str, optional
         Whose pixels a width counts, at the middle of the shape; images have their own.
+    at_once : iterable of int, optional
+        The scales that are smoothed now, all unless given. Others are as soon as they are read.
     progress : callable, optional
         ``progress(done, total)``, called as the work goes on.
 
@@ -71,7 +75,9 @@ def scale_space(
     if isinstance(shape, GBuffer):
         from meshdepict.scales.image_scales import image_space
 
-        return image_space(shape, scales=scales, width=width, ratio=ratio, progress=progress)
+        return image_space(
+            shape, scales=scales, width=width, ratio=ratio, at_once=at_once, progress=progress
+        )
     if not isinstance(shape, (Mesh, Volume)):
         raise MeshdepictError(
             f"a {type(shape).__name__} has no scale space: give a Mesh, a Volume or a GBuffer"
@@ -81,10 +87,14 @@ def scale_space(
     if isinstance(shape, Volume):
         from meshdepict.scales.grid_scales import grid_space
 
-        return grid_space(shape, widths, ratio, tolerance=tolerance, progress=progress)
+        return grid_space(
+            shape, widths, ratio, tolerance=tolerance, at_once=at_once, progress=progress
+        )
     from meshdepict.scales.mesh_scales import mesh_space
 
-    return mesh_space(shape, widths, ratio, facing=facing, tolerance=tolerance, progress=progress)
+    return mesh_space(
+        shape, widths, ratio, facing=facing, tolerance=tolerance, at_once=at_once, progress=progress
+    )
 
 
 def smooth_normals(
@@ -105,5 +115,7 @@ def smooth_normals(
     last = resolve_width(width, mesh)
     rungs = 1 + max(0, math.floor(2 * math.log2(last / mesh.edge_length) + 1e-9))
     first = last * math.sqrt(2) ** (1 - rungs)
-    space = scale_space(mesh, scales=rungs, width=first, facing=facing, tolerance=tolerance)
-    return space.normals[-1]
+    space = scale_space(
+        mesh, scales=rungs, width=first, facing=facing, tolerance=tolerance, at_once=(rungs,)
+    )
+    return space.normals_at(space.last)

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from meshdepict.scales.ladder import Progress, reporter
+from meshdepict.scales.ladder import Progress
 from meshdepict.scales.patches import patch_sums
 from meshdepict.scales.smoothing import NormalSums
-from meshdepict.scales.space import ScaleSpace
+from meshdepict.scales.space import Fill, ScaleSpace
 from meshdepict.shapes.mesh import Mesh
 
 if TYPE_CHECKING:
@@ -27,6 +28,24 @@ class MeshSpace(ScaleSpace):
     """Samples at the vertices of a mesh."""
 
     shape: Mesh
+
+    def __init__(
+        self,
+        mesh: Mesh,
+        widths: NDArray[np.float64],
+        ratio: float,
+        own: NDArray[np.float64],
+        corners: NDArray[np.float64] | None = None,
+        *,
+        facing: int,
+        tolerance: float,
+    ) -> None:
+        super().__init__(
+            mesh, mesh.vertices, widths, ratio, own.T, facing=facing, tolerance=tolerance
+        )
+        self._corners = corners
+        # The coarsest normals so far, not yet rounded: the next scale looks along them.
+        self._coarsest: tuple[int, NDArray[Any]] = 0, own.T
 
     @property
     def unit_points(self) -> NDArray[np.float64]:
@@ -55,15 +74,39 @@ class MeshSpace(ScaleSpace):
         """Return the values as they are."""
         return values
 
+    def _smoother(self) -> Fill:
+        sums = NormalSums(self.shape, self.facing, self.tolerance, corner_normals=self._corners)
+
+        def finer(scale: int) -> NDArray[Any]:
+            known, normals = self._coarsest
+            return normals if known == scale else self.planes_at(scale)
+
+        def fill(
+            scale: int, out: NDArray[np.float32], done: Callable[[float], None] | None
+        ) -> None:
+            width = float(self.widths[scale])
+            known, found = self._coarsest
+            if known != scale:  # else somebody stopped it at the last moment
+                found = sums.direction(width, lambda: finer(scale - 1), done)
+            out[:] = found
+            if self.facing and scale < self.last:
+                self._coarsest = scale, found
+
+        return fill
+
+    def _made_from(self, scale: int) -> tuple[int, ...]:
+        # The paper's sum has no need of a direction to look along.
+        return (scale - 1,) if self.facing else ()
+
     def _principal(self, scale: int) -> PrincipalCurvatures:
         from meshdepict.curvature.principal import principal_curvatures
 
-        return principal_curvatures(self.shape, normals=self.normals[scale])
+        return principal_curvatures(self.shape, normals=self.normals_at(scale))
 
     def _turns(self, scale: int) -> NDArray[np.float32]:
         from meshdepict.curvature.creases import neighbour_cosines
 
-        return neighbour_cosines(self.shape, self.normals[scale])
+        return neighbour_cosines(self.shape, self.normals_at(scale))
 
     def _open(self, rays: int) -> Openness:
         from meshdepict.transport.occlusion import ambient_openness
@@ -79,6 +122,7 @@ def mesh_space(
     facing: int,
     tolerance: float,
     normals: tuple[NDArray[np.float64], NDArray[np.float64]] | None = None,
+    at_once: Iterable[int] | None = None,
     progress: Progress | None = None,
 ) -> MeshSpace:
     """Return the normals of a mesh at every width; see `scale_space`.
@@ -87,15 +131,6 @@ def mesh_space(
     mesh's own where somebody knows better: on both sides of creases.
     """
     own, corners = (mesh.normals, None) if normals is None else normals
-    scales = len(widths) - 1
-    planes = np.empty((scales + 1, 3, len(mesh.vertices)), np.float32)
-    planes[0] = own.T
-    sums = NormalSums(mesh, facing, tolerance, corner_normals=corners) if scales else None
-    reference: NDArray[Any] = own.T
-    for scale in range(1, scales + 1):
-        assert sums is not None
-        reference = sums.direction(widths[scale], reference, reporter(progress, scale, scales))
-        planes[scale] = reference
-    return MeshSpace(
-        mesh, mesh.vertices, widths, float(ratio), planes, facing=facing, tolerance=tolerance
-    )
+    space = MeshSpace(mesh, widths, float(ratio), own, corners, facing=facing, tolerance=tolerance)
+    space.smooth(at_once, progress=progress)
+    return space

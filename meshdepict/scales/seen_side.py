@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from meshdepict.curvature.principal import PrincipalCurvatures
-from meshdepict.scales.space import ScaleSpace
+from meshdepict.scales.space import Fill, ScaleSpace
 
 if TYPE_CHECKING:
     from meshdepict.scene.view import View
@@ -42,17 +43,31 @@ class SeenSide(ScaleSpace):
 
     def __init__(self, source: ScaleSpace, view: View) -> None:
         self.source = source
-        cosine = (source.normals[0] * towards_eye(source.points, view)).sum(axis=1)
+        cosine = (source.normals_at(0) * towards_eye(source.points, view)).sum(axis=1)
         self.turned = cosine < 0
-        planes = np.where(self.turned, -source.planes, source.planes)
         super().__init__(
-            source.shape, source.points, source.widths, source.ratio, planes,
+            source.shape, source.points, source.widths, source.ratio, self._to_eye(0),
             facing=source.facing, tolerance=source.tolerance,
         )  # fmt: skip
 
     def typical(self) -> ScaleSpace:
         """Return the samples of the whole."""
         return self.source.typical()
+
+    def _to_eye(self, scale: int) -> NDArray[np.float32]:
+        planes = self.source.planes_at(scale)
+        return np.where(self.turned, -planes, planes)
+
+    def _smoother(self) -> Fill:
+        def fill(
+            scale: int, out: NDArray[np.float32], done: Callable[[float], None] | None
+        ) -> None:
+            out[:] = self._to_eye(scale)
+
+        return fill
+
+    def _made_from(self, scale: int) -> tuple[int, ...]:
+        return ()  # but from the source's
 
     @property
     def unit_points(self) -> Floats:

@@ -62,13 +62,21 @@ class NormalSums:
         return [areas, *(areas * n), *second]
 
     def direction(
-        self, width: float, reference: NDArray[Any], done: Callable[[float], None] | None
+        self,
+        width: float,
+        finer: Callable[[], NDArray[Any]],
+        done: Callable[[float], None] | None,
     ) -> NDArray[np.float64]:
-        """Return the (3, n) unit normals at one width; ``reference`` are the next finer ones."""
+        """Return the (3, n) unit normals at one width.
+
+        ``finer`` returns the next finer ones. It is asked where facing looks along them, and else
+        only where sums cancel.
+        """
         # A first pass for resultants that are a fair share of the mass …
         error = self.tolerance / 4
         # Narrower than any two distinct positions can be apart, a Gaussian is a single point.
         scaled = max(width / self.unit, 1e-18)
+        reference = finer() if self.facing else None
         sums = patch_sums(self.patches, self.points, self.channels, scaled, error=error, done=done)
         vector, mass = self._resultant(sums, reference)
         length = np.linalg.norm(vector, axis=0)
@@ -77,24 +85,29 @@ class NormalSums:
         share = np.maximum(length, _LEAST_RESULTANT * mass) / np.where(some, mass, 1.0)
         weak = some & (error > self.tolerance * share)
         if weak.any():
-            finer = float(self.tolerance * share[weak].min())
+            narrower = float(self.tolerance * share[weak].min())
             again = patch_sums(
                 self.patches, self.points, self.channels, scaled,
-                error=finer, targets=weak, heaviest=float(sums[0].max()),
+                error=narrower, targets=weak, heaviest=float(sums[0].max()),
             )  # fmt: skip
             vector = vector.astype(np.float64)
-            v, mass[weak] = self._resultant(again[:, weak], reference[:, weak])
+            along = None if reference is None else reference[:, weak]
+            v, mass[weak] = self._resultant(again[:, weak], along)
             vector[:, weak] = v
             length = np.linalg.norm(vector, axis=0)
         firm = length > _NO_RESULTANT * mass
+        if reference is None:
+            if firm.all():
+                return vector / length
+            reference = finer()
         return np.where(firm, vector / np.where(firm, length, 1.0), reference)
 
     def _resultant(
-        self, sums: NDArray[Any], reference: NDArray[Any]
+        self, sums: NDArray[Any], reference: NDArray[Any] | None
     ) -> tuple[NDArray[Any], NDArray[Any]]:
         """Return m = Σ A F G n (3, n) and its mass Σ A F G (n,)."""
         mass, m1 = sums[0], sums[1:4]
-        if not self.facing:
+        if reference is None:
             return m1.copy(), mass.copy()
         vector = m1.copy()
         for row, (a, b) in zip(sums[4:], _SYMMETRIC, strict=True):

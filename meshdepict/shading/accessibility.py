@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,7 +19,7 @@ Floats = NDArray[np.float64]
 _SHRINKS = 1e-9
 
 
-def accessible_radii(points: Floats, normals: Floats, cap: float) -> Floats:
+def accessible_radii(points: Floats, normals: NDArray[Any], cap: float) -> Floats:
     """Return the radius of the largest ball that touches each point from outside.
 
     The ball at x_i with its centre on the normal holds no other point:
@@ -70,5 +70,5 @@ def accessibility(
 ) -> NDArray[np.float32]:
     """Shade by the size of the largest ball that can touch a point: pits and cracks are dark."""
     del light
-    radii = accessible_radii(space.unit_points, space.normals[0], cap)
+    radii = accessible_radii(space.unit_points, space.normals_at(0), cap)
     return exposed((radii / cap).astype(np.float32), exposure)

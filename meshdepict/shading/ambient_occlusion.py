@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshdepict.options import Range
+from meshdepict.scales.reads import Reads
 from meshdepict.scales.space import ScaleSpace
 from meshdepict.shading.method import Exposure, exposed, method
 from meshdepict.transport.occlusion import MOST_RAYS
@@ -37,12 +38,17 @@ def settle(space: ScaleSpace | None, options: Mapping[str, Any]) -> dict[str, An
     return {"darkest": math.floor(least * 1000) / 1000}
 
 
+def _reads(last: int, *, rays: int, **_: Any) -> Reads:
+    return Reads(normals=frozenset((0,)), rays=rays)
+
+
 @method(
     local=False,
     lights="none",
     needs=("rays",),
     fits=settle,
     ground="paper",
+    reads=_reads,
     source="Ambient occlusion (Zhukov et al. 1998)",
 )
 def ambient_occlusion(

@@ -29,7 +29,7 @@ def aspect(
     eye = as_view(view, space.shape)
     plane = eye.frame[:2]
     towards = plane @ as_light(light, eye).direction
-    slope = space.normals[0] @ plane.T.astype(np.float32)
+    slope = space.normals_at(0) @ plane.T.astype(np.float32)
     steepness = np.linalg.norm(slope, axis=1)
     size = float(np.linalg.norm(towards))
     towards = (towards / size if size > _LEVEL else np.zeros(2)).astype(np.float32)

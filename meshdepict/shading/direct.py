@@ -86,12 +86,12 @@ def direct(
 
         directions = np.array([light.direction for light in cut], np.float32)
         total = sum_lights(
-            space.planes[0], eyes, directions, kernel_colors([light.color for light in cut]),
+            space.planes_at(0), eyes, directions, kernel_colors([light.color for light in cut]),
             kind, parameters, highlights=False, **settings,
         )  # fmt: skip
         for environment in environments:
             total = total + lobes(
-                space.planes[:1], eyes, environment, kind, parameters, count=count, **settings
+                space.planes_of((0,)), eyes, environment, kind, parameters, count=count, **settings
             )
         if lights:
             own = direct(space, lights, eyes, material, **settings)
@@ -107,7 +107,7 @@ def direct(
     directions = np.array([light.direction for light in lights], np.float32)
     return squeezed(
         sum_lights(
-            space.planes[0], eyes, directions, kernel_colors([light.color for light in lights]),
+            space.planes_at(0), eyes, directions, kernel_colors([light.color for light in lights]),
             kind, parameters, **settings,
         )
     )  # fmt: skip
@@ -122,7 +122,7 @@ def _few(
     warping: float,
 ) -> NDArray[np.float32]:
     """Do the same by arrays: in a fresh process the kernel takes longer to load than this."""
-    normals, eye = space.normals[0], eyes.T
+    normals, eye = space.normals_at(0), eyes.T
     colors = kernel_colors([light.color for light in lights])
     total = np.zeros((len(normals), colors.shape[1]), np.float32)
     for light, color in zip(lights, colors, strict=True):

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from meshdepict.errors import MeshdepictError
 from meshdepict.options import Range
+from meshdepict.scales.reads import Reads
 from meshdepict.scales.space import ScaleSpace
 from meshdepict.scene.names import LightLike, as_light
 from meshdepict.shading.attention import remoteness
@@ -89,7 +90,8 @@ def settle(space: ScaleSpace | None, options: Mapping[str, Any]) -> dict[str, An
     if all(value is not None for value in given.values()):
         return given
     usual: tuple[Any, ...] = (_ANYWHERE, 1.0, 1.0)
-    if given["exaggeration"] is None and space is not None and len(space.widths) > 1:
+    fits = given["exaggeration"] is None and given["contrast"] != 0  # with which nothing shows
+    if fits and space is not None and len(space.widths) > 1:
         usual = fitted_tones(space, emphasis=options.get("emphasis", _EMPHASIS))
     return {
         name: fit if given[name] is None else given[name]
@@ -115,9 +117,20 @@ def per_band(space: ScaleSpace, exaggeration: float | Sequence[float]) -> NDArra
     return np.broadcast_to(values, bands)
 
 
+def _reads(last: int, *, contrast: float | None, principal_strength: float, **_: Any) -> Reads:
+    """Return all sets, or none where none has a weight; curvature only where it turns light."""
+    if contrast == 0:
+        return Reads()
+    return Reads(
+        normals=frozenset(range(last + 1)),
+        curvature=frozenset(range(last) if principal_strength else ()),
+    )
+
+
 @method(
     scales=9,
     fits=settle,
+    reads=_reads,
     compared={"exaggeration": 40.0},  # within the 25 … 50 of the paper
     source="Exaggerated Shading (Rusinkiewicz et al. 2006), eqs. 3–5",
 )
@@ -210,6 +223,8 @@ def exaggerated(
         emphasis=emphasis, contrast=tones["contrast"], base=tones["base"],
     )  # fmt: skip
     steep = per_band(space, tones["exaggeration"])
+    if contrast == 0:
+        return exposed(np.full(len(space.points), 0.5, np.float32), exposure)
     far = None if focus is None else remoteness(space, focus, radius)
     if principal_strength:
         from meshdepict.shading.principal_light import combine_bent_bands

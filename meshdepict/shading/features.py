@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from meshdepict.errors import MeshdepictError
 from meshdepict.options import Choice, Range, Samples, Values
+from meshdepict.scales.reads import Reads
 from meshdepict.scales.space import ScaleSpace
 from meshdepict.scene.material import MATERIALS, Material, adjusted, as_material
 from meshdepict.scene.names import as_view
@@ -28,6 +29,7 @@ __all__ = [
     "Parameter",
     "Scale",
     "Scaling",
+    "bends",
     "convexity",
     "curved",
     "eyes",
@@ -67,6 +69,21 @@ Bins = Annotated[int | None, Range(1, 256, help="tones of the toon material", so
 # Curvature is counted per width (object) or per pixel (view). The defaults were chosen by looking
 # at the bunny, the armadillo and Lucy (36,000 to 50,000 vertices): see radiance_scaling.
 DEFAULT_GAIN = {"object": 0.7, "view": 2.5}
+
+
+def bends(
+    scale: int,
+    curvature: str,
+    importance: ArrayLike | Samples | str | None = None,
+    last: int = 0,
+) -> Reads:
+    """Return what `features` reads of a scale space with so many smoothed sets."""
+    scales = {scale}
+    if importance is not None and scale <= last:
+        scales |= _scales_of(importance, scale, last)
+    # Where a sample faces away from the eye, a view's curvature is the surface's own.
+    seen = scales if curvature == "view" else ()
+    return Reads(frozenset(scales), frozenset(scales), frozenset(seen))
 
 
 class Frames(NamedTuple):
@@ -161,8 +178,9 @@ def curved(
     gain: float | None,
     foreshortening: float,
     importance: ArrayLike | Samples | str | None = None,
+    needed: bool = True,
     **own: float | None,
-) -> tuple[Any, View, Frames]:
+) -> tuple[Any, View, Frames | None]:
     """Return what Light Warping and Radiance Scaling begin with: material, eye and curvature.
 
     Parameters
@@ -170,11 +188,15 @@ def curved(
     space, view, curvature, scale, gain, foreshortening, importance
         As for `features`; the view also by its name.
     material : str or Material
+    needed : bool
+        Whether curvature has any weight; without it there are no frames.
     **own
         Parameters in place of the material's own; None leaves it alone.
     """
     chosen = adjusted(as_material(material), **own)
     eye = sight(view, space, fitted=curvature == "view" or importance is not None)
+    if not needed:
+        return chosen, eye, None
     frames = features(
         space, eye, curvature=curvature, scale=scale, gain=gain, foreshortening=foreshortening,
         importance=importance,
@@ -231,26 +253,43 @@ def _at_scale(
 ) -> Frames:
     """Return the features of one scale in arrays of their own."""
     share = 1.0 if gain is None else gain / DEFAULT_GAIN[curvature]
+    if curvature == "view":
+        facing = np.einsum("an,an->n", space.planes_at(scale), eyes(space, view)) >= 0
+        if facing.all():
+            return _seen(space, view, scale, share, foreshortening)
     own = space.curvature(scale)
     factor = -share * DEFAULT_GAIN["object"] * width_at(space, scale)
     frames = Frames(
         _single(factor * own.k1), _single(factor * own.k2), np.array(own.d1), np.array(own.d2),
-        np.array(space.normals[scale], order="C"),
+        np.array(space.normals_at(scale), order="C"),
     )  # fmt: skip
     if curvature == "object":
         return frames
-    seen = space.view_curvature(view, scale, foreshortening=foreshortening)
-    weight = (share * DEFAULT_GAIN["view"]) * seen.weight.astype(np.float64)
-    facing = np.einsum("an,an->n", space.planes[scale], eyes(space, view)) >= 0
-    visible = Frames(
-        _single(seen.ku * weight), _single(seen.kv * weight), seen.u, seen.v,
-        np.cross(seen.u, seen.v),
-    )  # fmt: skip
-    for mine, other in zip(frames, visible, strict=True):
+    found = _seen(space, view, scale, share, foreshortening)
+    for mine, other in zip(frames, found, strict=True):
         mine[facing] = other[facing]
     return frames
+
+
+def _seen(space: ScaleSpace, view: View, scale: int, share: float, foreshortening: float) -> Frames:
+    """Return the features as the eye sees them, in arrays of their own."""
+    seen = space.view_curvature(view, scale, foreshortening=foreshortening)
+    weight = (share * DEFAULT_GAIN["view"]) * seen.weight.astype(np.float64)
+    return Frames(
+        _single(seen.ku * weight), _single(seen.kv * weight), np.array(seen.u), np.array(seen.v),
+        np.cross(seen.u, seen.v),
+    )  # fmt: skip
 
 
 def _single(values: NDArray[Any]) -> NDArray[np.float32]:
     """Return float32, kept from overflowing: products with any magnitude must not be NaN."""
     return np.clip(values, -1e30, 1e30).astype(np.float32)
+
+
+def _scales_of(importance: ArrayLike | Samples | str, scale: int, last: int) -> set[int]:
+    """Return the scales that an importance may choose; of a text any of them."""
+    if isinstance(importance, str):
+        return set(range(scale, last + 1))
+    share = np.clip(np.asarray(importance, np.float64), 0, 1)
+    wanted = last - share * (last - scale)
+    return {int(each) for each in np.unique([np.floor(wanted), np.ceil(wanted)])}

@@ -52,6 +52,6 @@ def gooch(
         Display colours in [0, 1].
     """
     direction = as_light(light).direction.astype(np.float32)
-    share = ((1 + space.normals[0] @ direction) / 2)[:, None]
+    share = ((1 + space.normals_at(0) @ direction) / 2)[:, None]
     low, high = tones(surface, blue=blue, yellow=yellow, cool=cool, warm=warm)
     return exposed(share * high + (1 - share) * low, exposure)

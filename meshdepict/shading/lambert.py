@@ -29,4 +29,4 @@ def half_lambert(
 
 
 def _cosine(space: ScaleSpace, light: LightLike) -> NDArray[np.float32]:
-    return space.normals[0] @ as_light(light).direction.astype(np.float32)
+    return space.normals_at(0) @ as_light(light).direction.astype(np.float32)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable, Sequence
 from typing import Annotated, Any
 
@@ -10,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from meshdepict.errors import MeshdepictError
 from meshdepict.options import Choice, Range
+from meshdepict.scales.reads import Reads
 from meshdepict.scales.space import ScaleSpace
 from meshdepict.scene.material import (
     AshikhminShirley,
@@ -129,9 +131,41 @@ def _frame(
     return c, along_x, along_y, np.linalg.norm(across, axis=-1)
 
 
+def _reads(
+    last: int,
+    *,
+    material: str | Material,
+    strength: float | Sequence[float],
+    specular_strength: float | Sequence[float],
+    transmitted: float,
+    transmitted_strength: float | Sequence[float],
+    **_: Any,
+) -> Reads:
+    """Return the shape's own normals, and both of every pair of scales that turns light."""
+    strengths = [per_scale(last, strength, "strength")] if last else []
+    if last and not isinstance(as_material(material), Lambert):
+        strengths.append(per_scale(last, specular_strength, "specular_strength"))
+    if last and transmitted > 0:
+        strengths.append(per_scale(last, transmitted_strength, "transmitted_strength"))
+    return Reads(normals=frozenset(aligned_scales(*strengths)))
+
+
+def aligned_scales(*strengths: NDArray[Any]) -> list[int]:
+    """Return the scales that are read for strengths (S − 1,), finest first: 0 always."""
+    turning = {int(i) for each in strengths for i in np.flatnonzero(each > 0)}
+    return sorted({0} | turning | {i + 1 for i in turning})
+
+
+def strengths_between(scales: Sequence[int], strengths: NDArray[Any]) -> NDArray[Any]:
+    """Return the strengths of the pairs of some scales: 0 of those that don't follow each other."""
+    pairs = itertools.pairwise(scales)
+    return np.array([strengths[i] if j == i + 1 else 0.0 for i, j in pairs], float)
+
+
 @method(
     scales=5,
     ratio=1.7,
+    reads=_reads,
     linear=True,
     lights="several",
     light="key-and-fill",
@@ -212,12 +246,22 @@ def light_alignment(
     }  # fmt: skip
     surface = adjusted(as_material(material), **given)
     eye = sight(view, space, fitted=False)
+    diffuse_strength = per_scale(space.last, strength, "strength")
+    glossy_strength = per_scale(space.last, specular_strength, "specular_strength")
+    clear_strength = per_scale(space.last, transmitted_strength, "transmitted_strength")
+    used = [diffuse_strength]
+    used += [] if isinstance(surface, Lambert) else [glossy_strength]
+    used += [clear_strength] if transmitted > 0 else []
+    scales = aligned_scales(*used)
+    normals = space.planes_of(scales)
+    diffuse_strength, glossy_strength, clear_strength = (
+        strengths_between(scales, each)
+        for each in (diffuse_strength, glossy_strength, clear_strength)
+    )
     terms = _terms(
-        space, eyes(space, eye), surface, transmitted=transmitted, refraction=refraction,
-        frosting=frosting, sharpness=sharpness,
-        diffuse_strength=per_scale(space, strength, "strength"),
-        specular_strength=per_scale(space, specular_strength, "specular_strength"),
-        transmitted_strength=per_scale(space, transmitted_strength, "transmitted_strength"),
+        normals, eyes(space, eye), surface, transmitted=transmitted, refraction=refraction,
+        frosting=frosting, sharpness=sharpness, diffuse_strength=diffuse_strength,
+        specular_strength=glossy_strength, transmitted_strength=clear_strength,
     )  # fmt: skip
     total = np.full((len(space.points), 1), ambient_term(surface), np.float32)
     lamps, environments = parted(light, eye)
@@ -234,12 +278,11 @@ def light_alignment(
     if sampled:
         for environment in environments:
             total = total + aligned_lobes(
-                space.planes, eyes(space, eye), environment, kind, parameters,
-                count=lights, sharpness=sharpness,
-                strengths=per_scale(space, specular_strength, "specular_strength"),
+                normals, eyes(space, eye), environment, kind, parameters,
+                count=lights, sharpness=sharpness, strengths=glossy_strength,
             )  # fmt: skip
     if background:
-        own = space.planes[0]
+        own = normals[0]
         for sky in environments or (None,):
             total = total + np.float32(background) * background_light(
                 own, visible_eye(own, eyes(space, eye)), sky,
@@ -249,7 +292,7 @@ def light_alignment(
 
 
 def _terms(
-    space: ScaleSpace,
+    normals: NDArray[np.float32],
     eye: NDArray[np.float32],
     surface: Material,
     *,
@@ -264,7 +307,7 @@ def _terms(
     """Return the terms that there are, each from a light to (n,), with guides of its own."""
     from meshdepict.shading.alignment_kernel import align_chain
 
-    normals, finest = space.planes, space.planes[0]
+    finest = normals[0]
 
     def matt(light: NDArray[Any]) -> NDArray[np.float32]:
         turned = align_chain(normals, light, diffuse_strength, sharpness)
@@ -303,9 +346,8 @@ def visible_eye(normals: NDArray[np.float32], eye: NDArray[np.float32]) -> NDArr
     return eye - np.float32(2) * np.minimum(_dot(normals, eye), np.float32(0)) * normals
 
 
-def per_scale(space: ScaleSpace, strength: float | Sequence[float], name: str) -> NDArray[Any]:
-    """Return one strength per pair of scales, finest first."""
-    steps = len(space.widths) - 1
+def per_scale(steps: int, strength: float | Sequence[float], name: str) -> NDArray[Any]:
+    """Return one strength per pair of scales, of which there are so many, finest first."""
     values = np.asarray(strength, float)
     if values.ndim == 0:
         return np.full(steps, float(values))

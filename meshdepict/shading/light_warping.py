@@ -6,13 +6,14 @@ import math
 from typing import Annotated, Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from meshdepict.errors import MeshdepictError
-from meshdepict.options import Choice, Range
+from meshdepict.options import Choice, Range, Samples
+from meshdepict.scales.reads import Reads
 from meshdepict.scales.space import ScaleSpace
 from meshdepict.scene.environment import Environment
-from meshdepict.scene.equirectangular import to_picture
+from meshdepict.scene.equirectangular import bilinear, to_picture
 from meshdepict.scene.light import Light
 from meshdepict.scene.material import (
     HalfLambert,
@@ -25,7 +26,7 @@ from meshdepict.scene.material import (
 )
 from meshdepict.scene.names import LightsLike, parted
 from meshdepict.scene.view import View
-from meshdepict.shading.direct import direct, kernel_parameters, quantised
+from meshdepict.shading.direct import direct, kernel_parameters, quantised, squeezed
 from meshdepict.shading.features import (
     Bins,
     CurvatureKind,
@@ -37,6 +38,7 @@ from meshdepict.shading.features import (
     MaterialName,
     Parameter,
     Scale,
+    bends,
     curved,
     eyes,
 )
@@ -49,8 +51,30 @@ __all__ = ["jacobian", "light_warping", "unwarp", "warp", "warp_scale"]
 Single = NDArray[np.float32]
 
 
+def _bends(magnitude: float, gain: float | None) -> bool:
+    return magnitude != 0 and gain != 0
+
+
+def _reads(
+    last: int,
+    *,
+    curvature: str,
+    scale: int,
+    gain: float | None,
+    magnitude: float,
+    illumination: str,
+    rays: int,
+    importance: ArrayLike | Samples | str | None,
+    **_: Any,
+) -> Reads:
+    """Return the shape's own normals, with what bends light, and rays if they are wanted."""
+    own = Reads(normals=frozenset((0,)), rays=rays if illumination == "occlusion" else 0)
+    return own | bends(scale, curvature, importance, last) if _bends(magnitude, gain) else own
+
+
 @method(
     scales=1,
+    reads=_reads,
     linear=True,
     lights="several",
     needs=("curvature",),
@@ -149,7 +173,8 @@ def light_warping(
         )
     chosen, eye, frames = curved(
         space, view, material, curvature=curvature, scale=scale, gain=gain,
-        foreshortening=foreshortening, importance=importance, shininess=shininess,
+        foreshortening=foreshortening, importance=importance, needed=_bends(magnitude, gain),
+        shininess=shininess,
         roughness=roughness, bins=bins,
     )  # fmt: skip
     shaded: NDArray[Any]
@@ -169,7 +194,7 @@ def light_warping(
             frames=frames, warping=magnitude,
         )  # fmt: skip
     shaded = shaded + np.float32(ambient_term(chosen))
-    if contrast:
+    if contrast and frames is not None:
         area = warp_scale(frames.ku, magnitude) * warp_scale(frames.kv, magnitude)
         shaded = (shaded.T * area ** np.float32(contrast)).T
     return exposed(quantised(shaded, chosen, exposure), exposure)
@@ -180,7 +205,7 @@ def _integral(
     environment: Environment,
     towards_eye: Single,
     material: Material,
-    frames: Frames,
+    frames: Frames | None,
     magnitude: float,
     count: int,
 ) -> Single:
@@ -198,10 +223,19 @@ def _integral(
     def turned(vectors: Single) -> Single:
         return np.ascontiguousarray(to_picture(vectors, environment.up), np.float32)
 
-    normals = turned(space.normals[0]).T.copy()
+    normals = turned(space.normals_at(0)).T.copy()
     normals.setflags(write=False)  # as a scale space's are, or the kernel is compiled once more
+    eye = turned(towards_eye.T).T.copy()
+    if frames is None:  # W(l) is l, for all points
+        weights *= bilinear(radiance, np.array(directions))
+        return squeezed(
+            sum_lights(
+                normals, eye, np.array(directions, np.float32), weights, kind, parameters,
+                frames=None,
+            )
+        )  # fmt: skip
     return sum_lights(
-        normals, turned(towards_eye.T).T.copy(),
+        normals, eye,
         np.array(directions, np.float32), weights, kind, parameters,
         frames=Frames(frames.ku, frames.kv, turned(frames.u), turned(frames.v), turned(frames.z)),
         warping=magnitude, environment=radiance,

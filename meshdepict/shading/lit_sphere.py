@@ -46,4 +46,4 @@ def lit_sphere(
         Display colours in [0, 1].
     """
     frame = sight(view, space, fitted=False).frame.astype(np.float32)
-    return exposed(painted(sphere_picture(sphere), space.normals[0] @ frame.T), exposure)
+    return exposed(painted(sphere_picture(sphere), space.normals_at(0) @ frame.T), exposure)

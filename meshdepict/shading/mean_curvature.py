@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
-from typing import Annotated
+from typing import Annotated, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from meshdepict.options import Range
+from meshdepict.scales.reads import Reads
 from meshdepict.scales.space import ScaleSpace
 from meshdepict.scene.view import View
 from meshdepict.shading.features import (
@@ -16,6 +17,7 @@ from meshdepict.shading.features import (
     CurvatureKind,
     Foreshortening,
     Scale,
+    bends,
     convexity,
     sight,
 )
@@ -27,10 +29,15 @@ __all__ = ["mean_curvature"]
 _STRONGER = 4.0
 
 
+def _reads(last: int, *, curvature: str, scale: int, gain: float | None, **_: Any) -> Reads:
+    return bends(scale, curvature) if gain != 0 else Reads()
+
+
 @method(
     scales=1,
     lights="none",
     needs=("curvature",),
+    reads=_reads,
     source="Kindlmann et al., IEEE Visualization 2003",
 )
 def mean_curvature(
@@ -68,6 +75,8 @@ def mean_curvature(
     """
     if gain is None:
         gain = _STRONGER * DEFAULT_GAIN[curvature]
+    if gain == 0:
+        return exposed(np.full(len(space.points), 0.5, np.float32), exposure)
     eye = sight(view, space, fitted=curvature == "view")
     kappa = convexity(
         space, eye, curvature=curvature, scale=scale, gain=gain, foreshortening=foreshortening

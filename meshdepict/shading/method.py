@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from meshdepict.errors import MeshdepictError
 from meshdepict.options import Range, check, nearest, options_of
+from meshdepict.scales.reads import Reads
 from meshdepict.scene.names import LIGHTS
 from meshdepict.scene.rig import RIGS
 from meshdepict.shading.docstring import completed
@@ -43,6 +44,14 @@ LIGHT = "northwest"
 """What lights a bake unless the method or the person says otherwise."""
 
 Exposure = Annotated[float, Range(0, 1e6, help="factor on the result before clipping", soft=(0, 4))]
+
+
+def _all_sets(last: int, options: Mapping[str, Any] | None = None, /, **_: Any) -> Reads:
+    return Reads(normals=frozenset(range(last + 1)))
+
+
+def _own_normals(last: int, /, **_: Any) -> Reads:
+    return Reads(normals=frozenset((0,)))
 
 
 @dataclass(frozen=True)
@@ -77,6 +86,9 @@ class Declaration:
         Name of the light that shows what it is for, under which it is baked unless told otherwise.
     ground : str
         Background of its pictures unless told otherwise: "paper" where much of it is white.
+    reads : callable (last, options) → Reads
+        What it reads of a scale space with so many smoothed sets, under such options; those that
+        are left out have their defaults.
     """
 
     scales: int
@@ -90,6 +102,7 @@ class Declaration:
     light: str = LIGHT
     fits: Fits | None = None
     ground: str = "white"
+    reads: Callable[[int, Mapping[str, Any]], Reads] = _all_sets
 
 
 def method(
@@ -104,6 +117,7 @@ def method(
     light: str = LIGHT,
     fits: Fits | None = None,
     ground: str = "white",
+    reads: Callable[..., Reads] | None = None,
     source: str,
 ) -> Callable[[Function], Function]:
     """Declare a shading function: its scales, the kind of its values, its needs and its paper.
@@ -115,6 +129,10 @@ def method(
     ----------
     scales, ratio, linear, local, lights, needs, compared, light, fits, ground, source
         See `Declaration`.
+    reads : callable (last, **options) → Reads, optional
+        Called with every option of the function. Only what it names is computed before the function
+        is called, and is what ``meshdepict info --explain`` tells; what else the function reads is
+        computed then. Unless given, all sets of normals, or the shape's own where ``scales`` is 0.
 
     Raises
     ------
@@ -159,12 +177,25 @@ def method(
         shade.declaration = Declaration(  # type: ignore[attr-defined]
             scales, ratio, linear, source, local, lights, wanted | seen,
             None if compared is None else MappingProxyType(dict(compared)), light, fits,
-            ground,
+            ground, _with_defaults(function, reads or (_all_sets if scales else _own_normals)),
         )  # fmt: skip
         shade.__doc__ = completed(function, lights=lights, linear=linear)
         return cast("Function", shade)
 
     return declare
+
+
+def _with_defaults(
+    function: Function, reads: Callable[..., Reads]
+) -> Callable[[int, Mapping[str, Any]], Reads]:
+    """Return what a function reads, given some of its options."""
+    parameters = inspect.signature(function).parameters.values()
+    usual = {p.name: p.default for p in parameters if p.kind is p.KEYWORD_ONLY}
+
+    def declared(last: int, options: Mapping[str, Any]) -> Reads:
+        return reads(last, **{**usual, **options})
+
+    return declared
 
 
 def _seen_side(

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from meshdepict.options import Range
+from meshdepict.scales.reads import Reads
 from meshdepict.scales.space import ScaleSpace
 from meshdepict.scene.names import LightLike, as_light
 from meshdepict.shading.method import Exposure, exposed, method, require_smoothing
@@ -23,7 +24,18 @@ def enhanced_normals(normals: ArrayLike, smoothed: ArrayLike, amount: float) -> 
     return np.where(length > 0, away / np.where(length > 0, length, 1), n)
 
 
-@method(scales=5, linear=True, compared={}, source="Normal enhancement (Cignoni et al. 2005)")
+def _reads(last: int, *, amount: float, **_: Any) -> Reads:
+    """Return the shape's own normals and the coarsest, unless these have no weight."""
+    return Reads(normals=frozenset((0, last) if amount else (0,)))
+
+
+@method(
+    scales=5,
+    linear=True,
+    compared={},
+    reads=_reads,
+    source="Normal enhancement (Cignoni et al. 2005)",
+)
 def normal_enhancement(
     space: ScaleSpace,
     light: LightLike,
@@ -48,6 +60,7 @@ def normal_enhancement(
         If the scale space has no smoothed scale.
     """
     require_smoothing(space, "normal enhancement", scales=5)
-    normals = enhanced_normals(space.normals[0], space.normals[-1], amount)
+    smoothed = space.normals_at(space.last if amount else 0)
+    normals = enhanced_normals(space.normals_at(0), smoothed, amount)
     cosine = normals @ as_light(light).direction.astype(np.float32)
     return exposed(np.maximum(cosine, 0), exposure)

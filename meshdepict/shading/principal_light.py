@@ -64,7 +64,8 @@ def combine_bent_bands(
     """
     count = len(space.points)
     single = light.astype(np.float32)
-    sums = (weights[-1].astype(np.float32) * (space.normals[-1] @ single)).astype(np.float32)
+    base = space.normals_at(space.last) @ single
+    sums = (weights[-1].astype(np.float32) * base).astype(np.float32)
     pieces = spans(count, thread_count() if count > 20_000 else 1)
     for scale in range(len(space.widths) - 1):
         width = float(space.widths[scale]) or space.finest_width
@@ -76,7 +77,7 @@ def combine_bent_bands(
         if remoteness is not None:
             share *= np.exp(-remoteness / np.float32(2**scale))
         arguments = (
-            space.planes[scale], space.planes[scale + 1], found.d1, bend, share, single,
+            space.planes_at(scale), space.planes_at(scale + 1), found.d1, bend, share, single,
             np.float32(exaggeration[scale]), np.float32(singular**2), sums,
         )  # fmt: skip
         each(lambda a, b, given=arguments: _add_band(*given, a, b), pieces)

@@ -8,12 +8,15 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from meshdepict.options import Choice, Range
+from meshdepict.scales.reads import Reads
 from meshdepict.scales.space import ScaleSpace
 from meshdepict.scene.material import (
     LitSphere,
+    Material,
     Mirror,
     Refractive,
     ambient_term,
+    as_material,
 )
 from meshdepict.scene.names import LightsLike, parted
 from meshdepict.scene.view import View
@@ -29,6 +32,7 @@ from meshdepict.shading.features import (
     Parameter,
     Scale,
     Scaling,
+    bends,
     curved,
     eyes,
 )
@@ -47,8 +51,46 @@ __all__ = ["LEAST_INVARIANT", "radiance_scaling", "scaling"]
 Floats = NDArray[Any]
 
 
+def _reads(
+    last: int,
+    *,
+    material: str | Material,
+    curvature: str,
+    scale: int,
+    gain: float | None,
+    illumination: str,
+    rays: int,
+    **options: Any,
+) -> Reads:
+    """Return the shape's own normals, with what scales light, and rays if they are wanted."""
+    shown = as_material(material)
+    lit = not isinstance(shown, (LitSphere, Mirror, Refractive))
+    gathered = {"occlusion": rays or 256, "irradiance": rays}.get(illumination, 0)
+    own = Reads(normals=frozenset((0,)), rays=gathered if lit else 0)
+    return own | bends(scale, curvature) if _bends(shown, gain, **options) else own
+
+
+def _bends(
+    material: Material,
+    gain: float | None,
+    *,
+    magnitude: float,
+    ambient_magnitude: float | None,
+    diffuse_magnitude: float | None,
+    specular_magnitude: float | None,
+    warping: float,
+    **_: Any,
+) -> bool:
+    """Whether curvature has any weight."""
+    own = (ambient_magnitude, diffuse_magnitude, specular_magnitude)
+    scaled = any(magnitude if each is None else each for each in own)
+    mixed = isinstance(material, LitSphere) and material.concave is not None
+    return gain != 0 and bool(scaled or warping or mixed)
+
+
 @method(
     scales=1,
+    reads=_reads,
     linear=True,
     lights="several",
     needs=("curvature",),
@@ -145,13 +187,21 @@ def radiance_scaling(
     """
     chosen, eye, frames = curved(
         space, view, material, curvature=curvature, scale=scale, gain=gain,
-        foreshortening=foreshortening, shininess=shininess, roughness=roughness, bins=bins,
+        foreshortening=foreshortening,
+        needed=_bends(
+            as_material(material), gain, magnitude=magnitude, ambient_magnitude=ambient_magnitude,
+            diffuse_magnitude=diffuse_magnitude, specular_magnitude=specular_magnitude,
+            warping=warping,
+        ),
+        shininess=shininess, roughness=roughness, bins=bins,
     )  # fmt: skip
     gamma_a, gamma_d, gamma_s = (
         magnitude if own is None else own
         for own in (ambient_magnitude, diffuse_magnitude, specular_magnitude)
     )
-    kappa = np.tanh(-(frames.ku + frames.kv))
+    kappa = np.zeros(len(space.points), np.float32)
+    if frames is not None:
+        kappa = np.tanh(-(frames.ku + frames.kv))
 
     def scaled(value: Floats, delta: ArrayLike, gamma: float) -> Floats:
         return (value.T * scaling(kappa, delta, invariant=invariant, magnitude=gamma)).T

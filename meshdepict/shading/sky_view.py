@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from meshdepict.options import Range
+from meshdepict.scales.reads import Reads
 from meshdepict.scales.space import ScaleSpace
 from meshdepict.scene.names import LightLike, as_light
 from meshdepict.shading.ambient_occlusion import Rays
@@ -17,9 +18,14 @@ from meshdepict.transport.occlusion import sky_openness
 __all__ = ["sky_view"]
 
 
+def _reads(last: int, *, rays: int, **_: Any) -> Reads:
+    return Reads(normals=frozenset((0,)), rays=rays)
+
+
 @method(
     local=False,
     needs=("rays", "surface"),
+    reads=_reads,
     source="Sky-view factor (Zakšek, Oštir and Kokalj 2011); directional occlusion",
 )
 def sky_view(
@@ -48,6 +54,6 @@ def sky_view(
         Display values in [0, 1]; 1 for an open surface that faces the light.
     """
     towards = as_light(light).direction
-    at = space.points, space.normals[0]
+    at = space.points, space.normals_at(0)
     found = sky_openness(space.surface, towards, at=at, spread=spread, rays=rays)
     return exposed(found.values, exposure)

@@ -61,7 +61,7 @@ def seen(
     normal, where a black hole would be the alternative.
     """
     environment = as_environment(light, type(material).__name__)
-    normals = space.normals[0]
+    normals = space.normals_at(0)
     eye = towards_visible(normals, eyes(space, view).T)
     if isinstance(material, Mirror):
         directions = reflected(normals, eye)
@@ -79,7 +79,7 @@ def sphere_colors(space: ScaleSpace, view: View, material: LitSphere, convexity:
     """Return linear colours (n, 3) of one lit sphere, or of two mixed by convexity."""
     from meshdepict.color.srgb import srgb_to_linear
 
-    normals = space.normals[0] @ view.frame.T.astype(np.float32)
+    normals = space.normals_at(0) @ view.frame.T.astype(np.float32)
     colors = painted(sphere_picture(material.convex), normals)
     if material.concave is not None:
         within: NDArray[Any] = np.clip((0.2 + convexity / 2) / 0.4, 0, 1)[:, None]
@@ -105,7 +105,7 @@ def gathered(
         openness = space.occlusion(rays or 256)
         return openness, openness
     environment = as_environment(light, "irradiance")
-    irradiance = environment.irradiance(space.normals[0]).astype(np.float32)
+    irradiance = environment.irradiance(space.normals_at(0)).astype(np.float32)
     delta = luminance(irradiance) / np.float32(max(environment.largest_irradiance, 1e-30))
     value = irradiance * np.float32(getattr(material, "diffuse", 1.0) / np.pi)
     return value * space.occlusion(rays)[:, None] if rays else value, delta

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from meshdepict.options import Range
+from meshdepict.scales.reads import Reads
 from meshdepict.scales.space import ScaleSpace
 from meshdepict.scene.names import LightLike, as_light
 from meshdepict.shading.method import Exposure, exposed, method, require_smoothing
@@ -15,7 +16,18 @@ from meshdepict.shading.method import Exposure, exposed, method, require_smoothi
 __all__ = ["unsharp_masking"]
 
 
-@method(local=False, scales=5, linear=True, source="3D unsharp masking (Ritschel et al. 2008)")
+def _reads(last: int, *, amount: float, **_: Any) -> Reads:
+    """Return the shape's own normals, and the widest mean unless it has no weight."""
+    return Reads(normals=frozenset((0,)), means=frozenset((last,) if amount else ()))
+
+
+@method(
+    local=False,
+    scales=5,
+    linear=True,
+    reads=_reads,
+    source="3D unsharp masking (Ritschel et al. 2008)",
+)
 def unsharp_masking(
     space: ScaleSpace,
     light: LightLike,
@@ -41,6 +53,8 @@ def unsharp_masking(
     """
     require_smoothing(space, "unsharp masking", scales=5)
     direction = as_light(light).direction.astype(np.float32)
-    c = np.maximum(space.normals[0] @ direction, 0)
+    c = np.maximum(space.normals_at(0) @ direction, 0)
+    if not amount:
+        return exposed(c, exposure)
     mean = np.clip(space.mean(c, float(space.widths[-1])), 0, 1).astype(np.float32)
     return exposed(c + np.float32(amount) * (c - mean), exposure)

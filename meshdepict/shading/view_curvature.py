@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from meshdepict.options import Range
+from meshdepict.scales.reads import Reads
 from meshdepict.scales.space import ScaleSpace
 from meshdepict.scene.view import View
 from meshdepict.shading.features import Foreshortening, Scale
@@ -21,10 +22,15 @@ _FLAT = np.array([0.93, 0.92, 0.89], np.float32)
 _COLD = np.array([0.10, 0.35, 0.75], np.float32)
 
 
+def _reads(last: int, *, scale: int, **_: Any) -> Reads:
+    return Reads(seen=frozenset((scale,)))
+
+
 @method(
     scales=1,
     lights="none",
     needs=("curvature",),
+    reads=_reads,
     source="Light Warping (Vergne et al., SIGGRAPH 2009), §4 and fig. 6",
 )
 def view_curvature(

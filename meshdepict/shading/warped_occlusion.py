@@ -23,26 +23,29 @@ _GOLDEN = math.pi * (3 - math.sqrt(5))
 
 
 def warped_openness(
-    space: ScaleSpace, frames: Frames, magnitude: float, *, rays: int
+    space: ScaleSpace, frames: Frames | None, magnitude: float, *, rays: int
 ) -> NDArray[np.float32]:
     """Return the share (n,) of cosine-weighted directions whose warped partners get away.
 
     A partner below the horizon of the normal counts as blocked, as everywhere in Light Warping.
+    Without frames every direction is its own partner.
     """
     from embreex.mesh_construction import TriangleMesh
     from embreex.rtcore_scene import EmbreeScene
 
     mesh = space.surface
-    points, normals = mesh.recentred(space.points), np.ascontiguousarray(space.normals[0])
+    points, normals = mesh.recentred(space.points), np.ascontiguousarray(space.normals_at(0))
     scene = EmbreeScene()
     TriangleMesh(scene, mesh.unit_points.astype(np.float32), mesh.faces.astype(np.int32))
     free = np.zeros(len(points), np.int64)
-    scale_u, scale_v = (warp_scale(k, magnitude) for k in (frames.ku, frames.kv))
+    warped = None
+    if frames is not None:
+        axes = np.stack([frames.u, frames.v, frames.z], axis=1)
+        warped = axes, *(warp_scale(k, magnitude) for k in (frames.ku, frames.kv))
 
     def work(begin: int, end: int) -> None:
         here = slice(begin, end)
         n = normals[here]
-        axes = np.stack([frames.u[here], frames.v[here], frames.z[here]], axis=1)
         # Any tangent frame, turned by an angle that depends on the position alone: no bands, and
         # the same values whatever the order of the vertices.
         across = np.eye(3, dtype=np.float32)[np.argmin(np.abs(n), axis=1)]
@@ -57,8 +60,11 @@ def warped_openness(
             level = math.sqrt(share)
             flat = level * (np.cos(angle) * x + np.sin(angle) * y)
             direction = flat + math.sqrt(1 - share) * n
-            local = np.einsum("nij,nj->ni", axes, direction)
-            bent = np.einsum("nij,ni->nj", axes, warp(local, scale_u[here], scale_v[here]))
+            bent = direction
+            if warped is not None:
+                axes, scale_u, scale_v = (given[here] for given in warped)
+                local = np.einsum("nij,nj->ni", axes, direction)
+                bent = np.einsum("nij,ni->nj", axes, warp(local, scale_u, scale_v))
             bent = np.ascontiguousarray(bent, np.float32)
             above = np.flatnonzero(np.einsum("ni,ni->n", bent, n) > 0)
             if len(above):

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from meshdepict.sums import direct_sums as direct
 from meshdepict.sums import spectral_sums as spectral
 
-__all__ = ["gaussian_sums"]
+__all__ = ["gaussian_sums", "predicted_seconds"]
 
 # How much smaller than the error asked for its sources are made at first. Each of them (neglected
 # neighbours, cut frequencies, false images, rounding) is relative to the largest mass around, and
@@ -93,6 +93,21 @@ def gaussian_sums(
     if share <= _TINY:
         sums[:, targets & (sums[0] <= 100 * _TINY * heaviest)] = 0
     return sums
+
+
+def predicted_seconds(
+    points: NDArray[np.float64], width: float, *, channels: int, error: float
+) -> float:
+    """Return the core-seconds that `gaussian_sums` at all points is expected to take.
+
+    Of its first pass: how many sums have to be done again, with more accuracy, is not known before.
+    """
+    xyz, share, pairs = points.T / width, error / _MARGIN, (channels + 1) // 2
+    radius = math.sqrt(2 * math.log(1 / share))
+    direct_cost = _direct_cost(xyz, radius, channels, None)
+    if share <= _SPECTRAL_FLOOR or spectral.least_cost(len(points), share, pairs) >= direct_cost:
+        return direct_cost
+    return min(direct_cost, spectral.planned_seconds(xyz, share, pairs))
 
 
 def _one_pass(

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from meshdepict.threads import each, spans, thread_count
 
-__all__ = ["SINGLE_FLOOR", "Tile", "least_cost", "plan_tiles", "spectral_sums"]
+__all__ = ["SINGLE_FLOOR", "Tile", "least_cost", "plan_tiles", "planned_seconds", "spectral_sums"]
 
 SINGLE_FLOOR = 5e-6  # error, relative to the largest mass, that single precision reaches here
 
@@ -115,11 +115,23 @@ def plan_tiles(
     wanted = everything if targets is None else np.flatnonzero(targets)
     if len(wanted) == 0:
         return [], 0.0
-    # A sample tells where to cut; the points themselves are then dealt out along those cuts.
-    t, s = max(1, len(wanted) // _SAMPLE), max(1, len(everything) // _SAMPLE)
-    planning = _Planning(error, pairs, t, s)
-    cuts, cost = planning.best(np.take(xyz, wanted[::t], axis=1), xyz[:, ::s])
+    cuts, cost = _cuts(xyz, error, pairs, wanted)
     return _dealt(xyz, error, cuts, Tile(wanted, everything)), cost
+
+
+def planned_seconds(xyz: NDArray[np.float64], error: float, pairs: int) -> float:
+    """Return the core-seconds of the tiles that `plan_tiles` would make for all points."""
+    return _cuts(xyz, error, pairs, np.arange(xyz.shape[1]))[1]
+
+
+def _cuts(
+    xyz: NDArray[np.float64], error: float, pairs: int, wanted: NDArray[np.intp]
+) -> tuple[_Cut | None, float]:
+    """Return the cheapest cuts of the points wanted, and their cost."""
+    # A sample tells where to cut; the points themselves are then dealt out along those cuts.
+    t, s = max(1, len(wanted) // _SAMPLE), max(1, xyz.shape[1] // _SAMPLE)
+    planning = _Planning(error, pairs, t, s)
+    return planning.best(np.take(xyz, wanted[::t], axis=1), xyz[:, ::s])
 
 
 def least_cost(count: int, error: float, pairs: int) -> float:

@@ -247,7 +247,16 @@ class Session:
 
     @property
     def space(self) -> ScaleSpace:
-        """The scale space of the method; made once for all methods with the same scales."""
+        """The scale space of the method, with what it reads, and perhaps more.
+
+        Made once for all methods with the same scales.
+        """
+        space = self._made()
+        reads = self.declared.reads(space.last, self.options)
+        space.smooth(reads.sets, progress=self.progress)
+        return space
+
+    def _made(self) -> ScaleSpace:
         scales, ratio = self._asked.replace(method=self.function).ladder
         if scales == 0:
             if not self._spaces:
@@ -257,7 +266,7 @@ class Session:
             asked = self._asked
             self._spaces[scales, ratio] = scale_space(
                 self.shape, scales=scales, ratio=ratio, width=asked.width, facing=asked.facing,
-                tolerance=asked.tolerance, progress=self.progress,
+                tolerance=asked.tolerance, at_once=(),
             )  # fmt: skip
         return self._spaces[scales, ratio]
 

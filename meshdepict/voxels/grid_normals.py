@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -13,7 +14,7 @@ from meshdepict.voxels.grid_samples import Samples
 if TYPE_CHECKING:
     from meshdepict.voxels.grid import Grid
 
-__all__ = ["Scattered", "completed", "gradients_to_world", "in_voxels", "least_gradient"]
+__all__ = ["Scattered", "gradients_to_world", "in_voxels", "least_gradient", "packed"]
 
 # Where the values change by less than this share of their range within a width (a voxel, if that is
 # more), the gradient is none: what is left of 1 − 1 in single precision is a tenth of it.
@@ -22,26 +23,14 @@ _NONE = 1e-6
 _WIDEST = 4.0  # lengths of an axis
 
 
-def completed(
-    planes: NDArray[np.float32],
-) -> tuple[NDArray[np.float32], NDArray[np.bool_]]:
-    """Fill in what is finer than the first gradient, and leave out samples without any.
-
-    Returns the planes, packed in place, and the mask of the samples that are left.
-    """
-    bent = planes[0].any(axis=0)
-    missing = np.flatnonzero(~bent)
-    if not len(missing):
-        return planes, bent
-    for scale in range(len(planes) - 2, -1, -1):
-        here, coarser = planes[scale][:, missing], planes[scale + 1][:, missing]
-        planes[scale][:, missing] = np.where(here.any(axis=0), here, coarser)
-    bent[missing] = planes[0][:, missing].any(axis=0)
-    count, packed = int(np.count_nonzero(bent)), planes.reshape(-1)
-    for row, values in enumerate(planes.reshape(-1, planes.shape[2])):
-        packed[row * count : (row + 1) * count] = values[bent]
-    kept = packed[: len(planes) * 3 * count]
-    return kept.reshape(len(planes), 3, count), bent
+def packed(
+    planes: NDArray[np.float32], keep: NDArray[np.bool_], scales: Sequence[int]
+) -> NDArray[np.float32]:
+    """Return planes (scales + 1, 3, k) of the samples to keep; some sets, packed in place."""
+    count, values = int(np.count_nonzero(keep)), planes.reshape(-1)
+    for row in (3 * scale + axis for scale in scales for axis in range(3)):
+        values[row * count : (row + 1) * count] = planes[row // 3, row % 3][keep]
+    return values[: len(planes) * 3 * count].reshape(len(planes), 3, count)
 
 
 def in_voxels(width: float, grid: Grid) -> NDArray[np.float64]:

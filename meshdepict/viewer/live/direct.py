@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+import functools
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
+from meshdepict.curvature.frames import tangents
 from meshdepict.drawing.shader import Uniforms
 from meshdepict.scales.space import ScaleSpace
 from meshdepict.scene.material import Phong
 from meshdepict.scene.view import View
 from meshdepict.shading import light_warping, phong, radiance_scaling
 from meshdepict.shading.features import DEFAULT_GAIN, features
+from meshdepict.shading.method import declaration
 from meshdepict.shading.radiance_scaling import LEAST_INVARIANT
 from meshdepict.viewer.live.live_method import Attributes, LiveMethod, Options, packed
 from meshdepict.viewer.live.materials import (
@@ -106,14 +110,20 @@ vec3 shade() {
 """
 
 
-def _frames(space: ScaleSpace, view: View, options: Options) -> tuple[int, Attributes]:
-    """Return normals, frames and curvature at the default gain."""
+def _frames(
+    function: Callable[..., Any], space: ScaleSpace, view: View, options: Options
+) -> tuple[int, Attributes]:
+    """Return normals, frames and curvature at the default gain; any frame where nothing bends."""
+    own = space.normals_at(0)
+    if not declaration(function).reads(space.last, options).curvature:
+        bend = np.zeros((len(own), 2), np.float32)
+        return 3, packed((own, tangents(own.astype(np.float64)), own)) | {"curvature": bend}
     found = features(
         space, view, curvature=options["curvature"], scale=options["scale"], gain=None,
         foreshortening=options["foreshortening"],
     )  # fmt: skip
     bend = np.stack((found.ku, found.kv), axis=1)
-    return 3, packed((space.normals[0], found.u, found.z)) | {"curvature": bend}
+    return 3, packed((own, found.u, found.z)) | {"curvature": bend}
 
 
 def _frames_key(view: View, options: Options) -> tuple[Any, ...]:
@@ -165,7 +175,7 @@ PHONG = LiveMethod(
 LIGHT_WARPING = LiveMethod(
     light_warping,
     GLSL + _WARPING + _SHADE,
-    attributes=_frames,
+    attributes=functools.partial(_frames, light_warping),
     key=_frames_key,
     uniforms=_warping_uniforms,
     defines=lambda options: {"CURVED": 1, "WARPED": 1} | material_defines(live_material(options)),
@@ -176,7 +186,7 @@ LIGHT_WARPING = LiveMethod(
 RADIANCE_SCALING = LiveMethod(
     radiance_scaling,
     GLSL + _WARPING + _SCALING + _SHADE,
-    attributes=_frames,
+    attributes=functools.partial(_frames, radiance_scaling),
     key=_frames_key,
     uniforms=_scaling_uniforms,
     defines=_scaling_defines,

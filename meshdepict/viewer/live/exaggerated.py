@@ -39,7 +39,9 @@ vec3 shade() {{
 
 def _attributes(space: ScaleSpace, view: View, options: Options) -> tuple[int, Attributes]:
     require_smoothing(space, "exaggerated shading", scales=9)
-    return len(space.normals), packed(space.normals)
+    if options["contrast"] == 0:  # no set has any weight, and the shader wants two
+        return 2, packed([space.normals_at(0)] * 2)
+    return len(space.widths), packed(space.normals)
 
 
 def _uniforms(space: ScaleSpace, options: Options) -> Uniforms:
@@ -49,7 +51,8 @@ def _uniforms(space: ScaleSpace, options: Options) -> Uniforms:
         emphasis=options["emphasis"], contrast=tones["contrast"], base=tones["base"],
     )  # fmt: skip
     steep = per_band(space, tones["exaggeration"])
-    found: Uniforms = {"weights": list(weights), "exaggeration": list(steep)}
+    pairs = len(space.widths) if options["contrast"] != 0 else 2
+    found: Uniforms = {"weights": list(weights[:pairs]), "exaggeration": list(steep[: pairs - 1])}
     if options["focus"] is not None:
         unit = space.shape.diagonal or 1.0
         reach = NEAR if options["radius"] is None else options["radius"] / unit

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+
 from meshdepict.drawing.shader import Uniforms
 from meshdepict.scales.space import ScaleSpace
 from meshdepict.scene.view import View
 from meshdepict.shading import light_alignment
-from meshdepict.shading.light_alignment import per_scale
-from meshdepict.shading.method import require_smoothing
+from meshdepict.shading.light_alignment import per_scale, strengths_between
+from meshdepict.shading.method import declaration, require_smoothing
 from meshdepict.viewer.live.live_method import Attributes, LiveMethod, Options, packed
 from meshdepict.viewer.live.materials import (
     GLSL,
@@ -80,12 +82,21 @@ vec3 shade() {
 
 def _attributes(space: ScaleSpace, view: View, options: Options) -> tuple[int, Attributes]:
     require_smoothing(space, "Local Light Alignment", scales=5)
-    return len(space.normals), packed(space.normals, bits=_BITS)
+    planes = space.planes_of(_scales(space, options))
+    return len(planes), packed(np.moveaxis(planes, 1, 2), bits=_BITS)
+
+
+def _scales(space: ScaleSpace, options: Options) -> list[int]:
+    """Return the scales that are read, two at least: the shader wants a pair."""
+    read = sorted(declaration(light_alignment).reads(space.last, options).normals)
+    return read if len(read) > 1 else read * 2
 
 
 def _uniforms(space: ScaleSpace, options: Options) -> Uniforms:
+    scales = _scales(space, options)
+
     def strengths(name: str) -> list[float]:
-        return list(per_scale(space, options[name], name))
+        return list(strengths_between(scales, per_scale(space.last, options[name], name)))
 
     return {
         **material_uniforms(live_material(options)),

@@ -10,8 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshdepict.drawing.shader import Uniforms
+from meshdepict.scales.reads import Reads
 from meshdepict.scales.space import ScaleSpace
 from meshdepict.scene.view import View
+from meshdepict.shading.method import declaration
 from meshdepict.viewer.live.octahedral import pack_normals
 
 __all__ = ["Attributes", "LiveMethod", "Options", "Uniforms", "original_normals", "packed"]
@@ -28,7 +30,7 @@ def packed(sets: Sequence[NDArray[Any]] | NDArray[Any], *, bits: int = 16) -> At
 
 def original_normals(space: ScaleSpace, view: View, options: Options) -> tuple[int, Attributes]:
     """Return the shape's own normals alone."""
-    return 1, packed(space.normals[:1])
+    return 1, packed([space.normals_at(0)])
 
 
 def _none(*_: object) -> dict[str, Any]:
@@ -50,7 +52,7 @@ class LiveMethod:
     attributes : callable (space, view, options) → (number of sets of normals, attributes)
         The one pass over the vertices; made again only where `key` changes.
     key : callable (view, options) → tuple
-        What the attributes depend on.
+        What the attributes depend on, beside what the function reads of the scale space.
     bits : {16, 24}
         Of the coordinates of packed normals.
     uniforms : callable (space, options) → uniforms
@@ -71,6 +73,10 @@ class LiveMethod:
     defines: Callable[[Options], dict[str, int]] = _none
     only: Mapping[str, tuple[Any, ...]] = field(default_factory=dict)
     several: bool = False
+
+    def reads(self, space: ScaleSpace, options: Options) -> Reads:
+        """Return what the function reads of a scale space."""
+        return declaration(self.function).reads(space.last, options)
 
     @property
     def name(self) -> str:

@@ -111,7 +111,7 @@ class LiveShading(LiveLook):
             **look_uniforms(method, space, lights, view, options),
             **encoding.table_uniforms(colormap),
         }
-        key = method.key(view, options)
+        key = *method.key(view, options), method.reads(space, options)
         if key != self._key:
             self._sets = self._upload(*method.attributes(space, view, options))
         defines = switches(method, self._sets, options)

@@ -136,7 +136,7 @@ class LiveVolume(LiveLook):
             **look_uniforms(method, space, lights, view, options),
             "grid": _grid_matrix(self.actor),
         }
-        key = method.key(view, options)
+        key = *method.key(view, options), method.reads(space, options)
         anew = key != self._key
         if anew:
             self._sets, self._attributes = method.attributes(space, view, options)

@@ -199,11 +199,12 @@ class LitObject(LitShape):
 
         session, options = self._session, self._options()
         try:
+            space = session.space  # with what is read by now, and its progress
             if self._live is None or self._tried is not session.function:
                 self._drop_live()
                 self._tried = session.function
                 self._live = LiveShading(
-                    session.space, session.function, options=options, light=session.light,
+                    space, session.function, options=options, light=session.light,
                     view=session.view, colormap=session.colormap,
                 )  # fmt: skip
                 self._live.check()

@@ -7,18 +7,18 @@ mesh's own, so that their normals and curvature are the mesh's, at every scale.
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from meshdepict.scales.space import ScaleSpace
+from meshdepict.scales.chosen_samples import ChosenSamples
 
 if TYPE_CHECKING:
-    from meshdepict.curvature.principal import PrincipalCurvatures
+    from meshdepict.scales.space import ScaleSpace
     from meshdepict.shapes.mesh import Mesh
 
-__all__ = ["BUDGET", "Pace", "Proxy", "ThinnedSpace"]
+__all__ = ["BUDGET", "Pace", "Proxy"]
 
 BUDGET = 0.05
 """Seconds that a frame may take while something moves: 20 a second still look like motion."""
@@ -92,62 +92,18 @@ class Proxy:
         faces = faces[(a != b) & (b != c) & (c != a)]
         self.chosen: NDArray[np.int64] = chosen
         self.faces: NDArray[np.int64] = np.unique(faces, axis=0)
-        self._spaces: dict[int, tuple[ScaleSpace, ThinnedSpace]] = {}
+        self._spaces: dict[int, tuple[ScaleSpace, ChosenSamples]] = {}
 
-    def space(self, space: ScaleSpace) -> ThinnedSpace:
+    def space(self, space: ScaleSpace) -> ChosenSamples:
         """Return the samples of a scale space that the proxy has; made once for each."""
         if id(space) not in self._spaces:
-            self._spaces[id(space)] = space, ThinnedSpace(space, self.chosen)
+            self._spaces[id(space)] = space, ChosenSamples(space, self.chosen)
         return self._spaces[id(space)][1]
 
     @staticmethod
     def worth(shape: Mesh) -> bool:
         """Whether a shape is so big that a proxy would be much smaller."""
         return len(shape.vertices) > 2 * _MOST
-
-
-class ThinnedSpace(ScaleSpace):
-    """Some samples of a scale space, with what they have there: normals, curvature, occlusion.
-
-    Parameters
-    ----------
-    space : ScaleSpace
-    chosen : (k,) array of int
-    """
-
-    def __init__(self, space: ScaleSpace, chosen: NDArray[np.int64]) -> None:
-        super().__init__(
-            space.shape, space.points[chosen], space.widths, space.ratio,
-            np.ascontiguousarray(space.planes[:, :, chosen]),
-            facing=space.facing, tolerance=space.tolerance,
-        )  # fmt: skip
-        self._whole = space
-        self._chosen = chosen
-
-    def typical(self) -> ScaleSpace:
-        """Return the samples of the whole."""
-        return self._whole.typical()
-
-    @property
-    def surface(self) -> Mesh:
-        """The whole surface."""
-        return self._whole.surface
-
-    def of_vertices(self, values: NDArray[Any]) -> NDArray[Any]:
-        """Return the values of those vertices that are there."""
-        return self._whole.of_vertices(values)[self._chosen]
-
-    def occlusion(self, rays: int = 256) -> NDArray[np.float32]:
-        """Return the share of the light that reaches each sample."""
-        return self._whole.occlusion(rays)[self._chosen]
-
-    def _principal(self, scale: int) -> PrincipalCurvatures:
-        k1, k2, d1, d2 = self._whole.curvature(scale)
-        at = self._chosen
-        return type(self._whole.curvature(scale))(k1[at], k2[at], d1[at], d2[at])
-
-    def _turns(self, scale: int) -> NDArray[np.float32]:
-        return self._whole._turns(scale)[self._chosen]
 
 
 def _nearest_to_mean(

@@ -110,7 +110,7 @@ class VolumeSession(Session):
             else:
                 made = dict.fromkeys(("scales", "width", "ratio", "transfer"))
                 made["tolerance"] = choice_fields()["tolerance"].default
-                self._baked = bake_grid(found, look.replace(**made))
+                self._baked = bake_grid(found, look.replace(**made), progress=self.progress)
             if found is None and self._baked.space is not None:
                 self._keep(self._baked.space)
         return self._baked

@@ -1,0 +1,214 @@
+"""What a bake is going to compute, and roughly what that costs: nothing that nobody reads."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from meshdepict.baking.choices import Choices
+from meshdepict.baking.pixel_widths import measured
+from meshdepict.errors import MeshdepictError
+from meshdepict.scales.ladder import check_ladder, ladder
+from meshdepict.scales.reads import Reads
+from meshdepict.shapes.gbuffer import GBuffer
+from meshdepict.shapes.lengths import resolve_width
+from meshdepict.shapes.mesh import Mesh
+from meshdepict.shapes.volume import Volume
+
+__all__ = ["Plan", "Step", "plan"]
+
+Widths = NDArray[np.float64]
+SetSeconds = Callable[[int], float]
+
+# Core-seconds of a sample, measured on golf balls, phantoms and their pictures; rays of each ray.
+_SEEN_SECONDS = 0.4e-6
+_RAY_SECONDS = 0.22e-6
+_COLOR_SECONDS = 0.4e-6
+_CURVATURE_SECONDS = {"mesh": 0.25e-6, "volume": 0.5e-6, "image": 0.2e-6}
+# A set of normals: of a volume, whatever its width, and of an image for each tap of its kernels.
+_VOXEL_SECONDS = 0.19e-6
+_TAP_SECONDS = 0.9e-9
+
+# Bytes of a sample: a set of normals, curvatures with their directions, colours with what they were
+# before; and of a mesh's vertex in sums of normals at the widest.
+_SET_BYTES = 12
+_CURVATURE_BYTES = 40
+_SEEN_BYTES = 44
+_COLOR_BYTES = 40
+_SUM_BYTES = 400
+
+_MEAN_ERROR = 1e-3
+
+
+class Step(NamedTuple):
+    """Something to be computed.
+
+    Attributes
+    ----------
+    what, where : str
+        In words.
+    seconds : float
+        Of one core.
+    size : float
+        Bytes that stay.
+    """
+
+    what: str
+    where: str
+    seconds: float
+    size: float
+
+
+@dataclass(frozen=True)
+class Plan:
+    """What shading a shape takes.
+
+    Attributes
+    ----------
+    reads : Reads
+        What the method reads.
+    sets : tuple of int
+        The scales that are smoothed, those on the way to a coarser one, too.
+    widths : (scales + 1,) array
+        Of all scales that there are.
+    steps : tuple of Step
+    working : float
+        Bytes that the largest step takes while it goes on.
+    """
+
+    reads: Reads
+    sets: tuple[int, ...]
+    widths: Widths
+    steps: tuple[Step, ...]
+    working: float
+
+    @property
+    def seconds(self) -> float:
+        """Of one core, beside reading and writing files."""
+        return sum(step.seconds for step in self.steps)
+
+    @property
+    def size(self) -> float:
+        """Bytes at most, beside the shape itself."""
+        return sum(step.size for step in self.steps) + self.working
+
+
+def plan(shape: Mesh | GBuffer | Volume, look: Choices) -> Plan:
+    """Return what a bake of a shape computes.
+
+    Seconds are those of the costs by which sums choose their way, of a first pass, and right within
+    a factor of two or so; how many samples need a second one is not known before.
+
+    Parameters
+    ----------
+    shape : Mesh, GBuffer or Volume
+    look : Choices
+
+    Raises
+    ------
+    MeshdepictError
+        For what can't be baked so.
+    """
+    look = look.of_kind(shape.kind)
+    scales, ratio = look.ladder
+    check_ladder(scales, ratio, look.facing, look.tolerance)
+    width = look.width if isinstance(shape, GBuffer) else measured(look, shape).width
+    widths = ladder(scales, ratio, resolve_width(width, shape))
+    last = len(widths) - 1
+    reads = look.reads(last)
+    beyond = max((*reads.sets, *reads.means), default=0)
+    if beyond > last:
+        raise MeshdepictError(
+            f"scale={beyond!r} is not one of the scale space's, 0 to {last}; make more with "
+            "scales=…"
+        )
+    count, seconds, working = _of_kind(shape, look, widths)
+    # Volumes are smoothed at each width by itself, and meshes by the paper's sum.
+    climbs = shape.kind == "image" or (shape.kind == "mesh" and bool(look.facing))
+    sets = sorted(reads.sets - {0})
+    if climbs and sets:
+        sets = list(range(1, sets[-1] + 1))
+    steps = tuple(_steps(shape, look, reads, sets, widths, count, seconds))
+    smoothing = bool(sets or reads.means)
+    return Plan(reads, tuple(sets), widths, steps, working * count if smoothing else 0.0)
+
+
+def _steps(
+    shape: Mesh | GBuffer | Volume,
+    look: Choices,
+    reads: Reads,
+    sets: list[int],
+    widths: Widths,
+    count: int,
+    seconds: SetSeconds,
+) -> Iterator[Step]:
+    samples = f"{count:,} samples"
+    yield Step("own normals", samples, 0.0, _SET_BYTES * count)
+    for scale in sets:
+        where = f"scale {scale}, width {widths[scale]:.4g}"
+        if scale not in reads.sets:
+            where += ", on the way"
+        yield Step("normals", where, seconds(scale), _SET_BYTES * count)
+    # An image's view curvature needs none of its own, unless a smoothed normal faces away.
+    own = reads.curvature - reads.seen if shape.kind == "image" else reads.curvature | reads.seen
+    for scale in sorted(own):
+        each = _CURVATURE_SECONDS[shape.kind]
+        yield Step("curvature", f"scale {scale}", each * count, _CURVATURE_BYTES * count)
+    for scale in sorted(reads.seen):
+        where = f"scale {scale}, as the eye sees it"
+        yield Step("curvature", where, _SEEN_SECONDS * count, _SEEN_BYTES * count)
+    for scale in sorted(reads.means):
+        yield Step("mean", f"width {widths[scale]:.4g}", _mean(shape, widths, scale, count), 0.0)
+    if reads.rays:
+        each = _RAY_SECONDS * reads.rays
+        yield Step("rays", f"{reads.rays} of each sample", each * count, 0.0)
+    yield Step("colours", samples, _COLOR_SECONDS * count, _COLOR_BYTES * count)
+
+
+def _of_kind(
+    shape: Mesh | GBuffer | Volume, look: Choices, widths: Widths
+) -> tuple[int, SetSeconds, float]:
+    """Return the number of samples, what a set of normals costs, and a sample's bytes in it."""
+    if isinstance(shape, Mesh):
+        from meshdepict.sums.gaussian import predicted_seconds
+
+        channels = 10 if look.facing else 4
+
+        def of_mesh(scale: int) -> float:
+            width = max(float(widths[scale]) / (shape.diagonal or 1.0), 1e-18)
+            return predicted_seconds(
+                shape.unit_points, width, channels=channels, error=look.tolerance / 4
+            )
+
+        return len(shape.vertices), of_mesh, _SUM_BYTES
+    if isinstance(shape, Volume):
+        from meshdepict.color.transfer import for_volume
+        from meshdepict.voxels.grid_samples import shaded_voxels
+
+        shown = shaded_voxels(shape, None, for_volume(look.transfer, shape))
+        count = int(np.count_nonzero(shown))
+        return count, lambda scale: _VOXEL_SECONDS * count, shape.values.nbytes / max(count, 1)
+    from meshdepict.scales.bilateral import tap_counts
+
+    height, width = shape.cropped(np.ones(len(shape.normals), np.float32)).shape
+    taps = tap_counts(widths / shape.edge_length, within=max(height, width))
+    pixels = height * width
+    return len(shape.normals), lambda scale: _TAP_SECONDS * taps[scale - 1] * pixels, 64.0
+
+
+def _mean(shape: Mesh | GBuffer | Volume, widths: Widths, scale: int, count: int) -> float:
+    """Return the seconds of an average of one value over a width."""
+    if isinstance(shape, Mesh):
+        from meshdepict.sums.gaussian import predicted_seconds
+
+        width = max(float(widths[scale]) / (shape.diagonal or 1.0), 1e-18)
+        return predicted_seconds(shape.unit_points, width, channels=2, error=_MEAN_ERROR)
+    if isinstance(shape, Volume):
+        return 2 * _VOXEL_SECONDS * count
+    taps = 8 * math.ceil(float(widths[scale]) / shape.edge_length) + 1
+    return 4 * _TAP_SECONDS * taps * count

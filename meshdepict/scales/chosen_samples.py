@@ -1,0 +1,69 @@
+"""Some samples of a scale space, with what they have there."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from meshdepict.scales.space import Fill, ScaleSpace
+
+if TYPE_CHECKING:
+    from meshdepict.curvature.principal import PrincipalCurvatures
+    from meshdepict.shapes.mesh import Mesh
+
+__all__ = ["ChosenSamples"]
+
+
+class ChosenSamples(ScaleSpace):
+    """Some samples of a scale space, with what they have there: normals, curvature, occlusion.
+
+    Parameters
+    ----------
+    whole : ScaleSpace
+    chosen : (k,) array of int, or (n,) array of bool
+    """
+
+    def __init__(self, whole: ScaleSpace, chosen: NDArray[Any]) -> None:
+        super().__init__(
+            whole.shape, whole.points[chosen], whole.widths, whole.ratio,
+            whole.planes_at(0)[:, chosen], facing=whole.facing, tolerance=whole.tolerance,
+        )  # fmt: skip
+        self._whole, self._chosen = whole, chosen
+
+    def typical(self) -> ScaleSpace:
+        """Return the samples of the whole."""
+        return self._whole.typical()
+
+    @property
+    def surface(self) -> Mesh:
+        """The whole surface."""
+        return self._whole.surface
+
+    def of_vertices(self, values: NDArray[Any]) -> NDArray[Any]:
+        """Return the values of those vertices that are there."""
+        return self._whole.of_vertices(values)[self._chosen]
+
+    def occlusion(self, rays: int = 256) -> NDArray[np.float32]:
+        """Return the share of the light that reaches each sample."""
+        return self._whole.occlusion(rays)[self._chosen]
+
+    def _smoother(self) -> Fill:
+        def fill(
+            scale: int, out: NDArray[np.float32], done: Callable[[float], None] | None
+        ) -> None:
+            out[:] = self._whole.planes_at(scale)[:, self._chosen]
+
+        return fill
+
+    def _made_from(self, scale: int) -> tuple[int, ...]:
+        return ()  # but from the whole's
+
+    def _principal(self, scale: int) -> PrincipalCurvatures:
+        found, at = self._whole.curvature(scale), self._chosen
+        return type(found)(found.k1[at], found.k2[at], found.d1[at], found.d2[at])
+
+    def _turns(self, scale: int) -> NDArray[np.float32]:
+        return self._whole._turns(scale)[self._chosen]
