@@ -6,7 +6,8 @@ import numpy as np
 from figure_parts import Stage, figure, page
 from PIL import Image
 
-from meshdepict.shading.exaggerated import band_weights, local_light, soft_toon
+from meshdepict.shading.bands import band_weights
+from meshdepict.shading.exaggerated import local_light, soft_toon
 
 WEST = np.array([-1.0, 1.0, 0.0]) / 2**0.5  # northwest, level, as for maps
 NORTHWEST = np.array([-1.0, 1.0, 1.0]) / 3**0.5

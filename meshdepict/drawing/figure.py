@@ -68,7 +68,9 @@ class Figure:
                     f"{name}={value!r} is not a number of {what} above 0 and below 1e9"
                 )
         object.__setattr__(self, "unit", _unit(self.unit))
-        object.__setattr__(self, "_ground", _ground(self.background or "white"))
+        object.__setattr__(
+            self, "_ground", _ground("white" if self.background is None else self.background)
+        )
         size, dpi = _pixels(self.size, self.dpi)
         if size is not None:
             check_pixels(size)
