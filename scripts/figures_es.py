@@ -23,7 +23,7 @@ def es1(stage: Stage) -> Image.Image:
     for words, values in (
         ("diffuse", shot.buffer.sample(0.5 + 0.5 * space.normals[0] @ NORTHWEST)),
         ("exaggerated, a = 40", shot.values(space, "exaggerated", NORTHWEST, exaggeration=40.0)),
-        ("a = 15, the default", shot.values(space, "exaggerated", NORTHWEST)),
+        ("fitted to the shape, the default", shot.values(space, "exaggerated", NORTHWEST)),
     ):
         spread = ", ".join(f"{name} {values[here].std():.2f}" for name, here in places.items())
         shown = shot.picture(values, colormap="gooch")
