@@ -6,7 +6,8 @@ import numpy as np
 from figure_parts import Stage, figure, page
 from PIL import Image
 
-from meshdepict.shading.exaggerated import band_weights, local_light, soft_toon
+from meshdepict.shading.bands import band_weights
+from meshdepict.shading.exaggerated import local_light, soft_toon
 
 WEST = np.array([-1.0, 1.0, 0.0]) / 2**0.5  # northwest, level, as for maps
 NORTHWEST = np.array([-1.0, 1.0, 1.0]) / 3**0.5
@@ -22,7 +23,7 @@ def es1(stage: Stage) -> Image.Image:
     for words, values in (
         ("diffuse", shot.buffer.sample(0.5 + 0.5 * space.normals[0] @ NORTHWEST)),
         ("exaggerated, a = 40", shot.values(space, "exaggerated", NORTHWEST, exaggeration=40.0)),
-        ("a = 15, the default", shot.values(space, "exaggerated", NORTHWEST)),
+        ("fitted to the shape, the default", shot.values(space, "exaggerated", NORTHWEST)),
     ):
         spread = ", ".join(f"{name} {values[here].std():.2f}" for name, here in places.items())
         shown = shot.picture(values, colormap="gooch")

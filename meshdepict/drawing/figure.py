@@ -78,7 +78,9 @@ class Figure:
         if not isinstance(self.caption, str):
             raise MeshdepictError(f"caption={self.caption!r} is no text")
         object.__setattr__(self, "unit", _unit(self.unit))
-        object.__setattr__(self, "_ground", _ground(self.background or "white"))
+        object.__setattr__(
+            self, "_ground", _ground("white" if self.background is None else self.background)
+        )
         size, dpi = _pixels(self.size, self.dpi)
         if size is not None:
             check_pixels(size)

@@ -14,14 +14,11 @@ from meshdepict.scales.reads import Reads
 from meshdepict.scales.space import ScaleSpace
 from meshdepict.scene.names import LightLike, as_light
 from meshdepict.shading.attention import remoteness
+from meshdepict.shading.bands import SINGULAR_LIGHT, band_weights
 from meshdepict.shading.fitted_tones import fitted_tones
 from meshdepict.shading.method import Exposure, exposed, method, require_smoothing
 
-__all__ = ["band_weights", "exaggerated", "local_light", "per_band", "settle", "soft_toon"]
-
-# Where the light stands along the smoothed normal it has no direction in the tangent plane: there
-# the projected light is l / √(‖l‖² + ε²) instead of l / ‖l‖, which fades to zero continuously.
-SINGULAR_LIGHT = 1e-3
+__all__ = ["exaggerated", "local_light", "per_band", "settle", "soft_toon"]
 
 _EMPHASIS = -0.5
 _ANYWHERE = 15.0  # an exaggeration that does for scans, chosen by eye, where none can be fitted
@@ -46,32 +43,6 @@ def local_light(light: ArrayLike, normals: ArrayLike) -> NDArray[Any]:
     projected = light - normals * (normals @ light)[..., None]
     squared = (projected**2).sum(axis=-1, keepdims=True)
     return projected / np.sqrt(squared + SINGULAR_LIGHT**2)
-
-
-def band_weights(
-    widths: NDArray[np.float64],
-    ratio: float,
-    *,
-    emphasis: float,
-    contrast: float,
-    base: float = 1.0,
-) -> NDArray[np.float64]:
-    """Return k_i ∝ σ_i^emphasis for i = 0 … b, their sum the contrast (§3).
-
-    Parameters
-    ----------
-    widths : (b + 1,) array
-        σ_0 … σ_b; σ_0 is taken as σ_1 / ratio.
-    base : float
-        Multiplies k_b before the sum is made the contrast; 1 is the paper.
-    """
-    if len(widths) == 1:
-        return np.array([contrast])
-    # Relative to the finest, so that neither tiny nor huge units overflow a power.
-    relative = np.concatenate(([1 / ratio], widths[1:] / widths[1]))
-    weights = relative**emphasis
-    weights[-1] *= base
-    return contrast * weights / (weights.sum() or 1.0)
 
 
 def settle(space: ScaleSpace | None, options: Mapping[str, Any]) -> dict[str, Any]:

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshdepict.scales.space import ScaleSpace
+from meshdepict.shading.bands import SINGULAR_LIGHT, band_weights
 
 __all__ = ["CONFORMITY", "SATURATED", "STEEPEST", "FittedTones", "fitted_tones", "tone_moments"]
 
@@ -61,8 +62,6 @@ def fitted_tones(space: ScaleSpace, *, emphasis: float) -> FittedTones:
 
 
 def _fit(space: ScaleSpace, emphasis: float) -> FittedTones:
-    from meshdepict.shading.exaggerated import band_weights
-
     normals = _some(space.typical())
     steep = tuple(_rounded(_steepness(_sines(fine, coarse))) for fine, coarse in pairwise(normals))
     weights = band_weights(space.widths, space.ratio, emphasis=emphasis, contrast=1.0)
@@ -133,8 +132,6 @@ def tone_moments(
         azimuths counted from the finest one, so that turning the shape turns them along. Only its
         upper half: the opposite light gives the negative of all three.
     """
-    from meshdepict.shading.exaggerated import SINGULAR_LIGHT
-
     top = normals[-1]
     along = normals[0] - top * _dot(normals[0], top)[:, None]
     length = np.linalg.norm(along, axis=1, keepdims=True)

@@ -138,7 +138,7 @@ def light_warping(
         Of curvature="view": f in the slope (−n_x, −n_y)/n_z^f, 1 in the paper.
     magnitude : float
         α; 0 is plain rendering, below 0 stretches instead. The default, 14, was chosen by eye under
-        the studio on nine scans: fur, folds and scales stand out (local contrast 1.2 to 1.5 times
+        the studio on nine scans: fur, folds and scales stand out (local contrast 1.1 to 1.4 times
         that of plain rendering), and the light still tells where it comes from. With the default
         gain it is 35 per pixel (LLA compares with 16.62).
     contrast : float

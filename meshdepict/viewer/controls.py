@@ -12,7 +12,7 @@ from typing import Any
 
 from meshdepict.options import Choice, Option, Values, as_text, options_of
 
-__all__ = ["Control", "controls", "place_option"]
+__all__ = ["Control", "controls", "place_option", "slid"]
 
 
 @dataclass(frozen=True)
@@ -56,6 +56,11 @@ class Control:
                 self.kind, ""
             )
         return as_text(self.default) if self.kind == "text" else self.default
+
+
+def slid(value: Any) -> float:
+    """Return where a slider stands: at the number, in the middle of several."""
+    return sum(value) / len(value) if isinstance(value, tuple) else value
 
 
 def controls(method: str | Callable[..., Any]) -> list[Control]:

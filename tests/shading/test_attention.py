@@ -7,7 +7,8 @@ import meshdepict as md
 from meshdepict.errors import MeshdepictError
 from meshdepict.shading import exaggerated
 from meshdepict.shading.attention import detail_share, remoteness
-from meshdepict.shading.exaggerated import band_weights, local_light, soft_toon
+from meshdepict.shading.bands import band_weights
+from meshdepict.shading.exaggerated import local_light, soft_toon
 
 LIGHT = np.array([-1, 1, 1]) / np.sqrt(3)
 FOCUS = (0.0, 0.2, 1.0)

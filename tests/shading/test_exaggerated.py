@@ -6,7 +6,8 @@ import pytest
 from meshdepict import scale_space, threads
 from meshdepict.errors import MeshdepictError
 from meshdepict.shading import exaggerated
-from meshdepict.shading.exaggerated import SINGULAR_LIGHT, band_weights, local_light, soft_toon
+from meshdepict.shading.bands import SINGULAR_LIGHT, band_weights
+from meshdepict.shading.exaggerated import local_light, soft_toon
 from meshdepict.shapes import samples
 
 DEFAULT = 15.0  # exaggeration

@@ -9,7 +9,7 @@ from meshdepict.scales.seen_side import SeenSide
 from meshdepict.scene.names import as_light
 from meshdepict.scene.view import View
 from meshdepict.shading import exaggerated, half_lambert
-from meshdepict.shading.exaggerated import band_weights
+from meshdepict.shading.bands import band_weights
 from meshdepict.shading.fitted_tones import (
     CONFORMITY,
     SATURATED,

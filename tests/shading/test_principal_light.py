@@ -9,7 +9,8 @@ from meshdepict.curvature import principal
 from meshdepict.errors import MeshdepictError
 from meshdepict.shading import exaggerated
 from meshdepict.shading.attention import remoteness
-from meshdepict.shading.exaggerated import SINGULAR_LIGHT, band_weights, soft_toon
+from meshdepict.shading.bands import SINGULAR_LIGHT, band_weights
+from meshdepict.shading.exaggerated import soft_toon
 from meshdepict.shading.principal_light import principal_light
 from meshdepict.shapes import samples
 from meshdepict.shapes.mesh import Mesh

@@ -25,6 +25,8 @@ OPTIONS = {
     ],
     "exaggerated": [
         {"exaggeration": 40.0, "emphasis": 0.0},
+        {"exaggeration": (5.0, 10.0, 20.0, 40.0, 30.0), "base": 6.0},
+        {},
         {"contrast": 1.6, "exposure": 0.7},
         {"focus": (0.3, 0.2, 0.9), "radius": 0.4},
         {"focus": (0.0, 0.0, 1.0)},

@@ -75,7 +75,7 @@ def test_method_and_options_can_be_asked_for(space):
     assert live.method == "exaggerated"
     assert live.options["emphasis"] == -1
     assert live.options["contrast"] == 0.5
-    assert live.options["exaggeration"] == 15
+    assert live.options["exaggeration"] is None
     live.options["contrast"] = 9  # a copy
     assert live.options["contrast"] == 0.5
 
@@ -91,7 +91,7 @@ REFUSED = [
     ("exaggerated", {}, {"light": "noth"}, "did you mean 'north'"),
     ("exaggerated", {}, {"colormap": "gary"}, "no colour map 'gary'"),
     ("exaggerated", {}, {"view": "frnt"}, "did you mean 'front'"),
-    ("phong", {}, {"light": ["east"] * 9}, "at most 8 lights, not 9; bake it instead"),
+    ("phong", {}, {"light": ["east"] * 65}, "at most 64 lights, not 65; bake it instead"),
     ("phong", {}, {"light": md.Light((1, 0, 0), color=(1, 0, 0)), "colormap": "gray"}, "in colour"),
     ("light_alignment", {"transmitted": 0.5}, {}, "transmitted=0.5, only with 0.0; bake it"),
     ("light_alignment", {"material": "cook_torrance"}, {}, "lambert and phong, not CookTorrance"),
@@ -122,7 +122,7 @@ def test_a_refused_change_changes_nothing(space):
         lambda: live.set_options(sharpness=5.0, transmitted=1.0),
         lambda: live.set_options(strength=0.9, material="ashikhmin_shirley"),
         lambda: live.set_options(sharpness=-1.0),
-        lambda: live.set_light(["east"] * 9),
+        lambda: live.set_light(["east"] * 65),
         lambda: live.set_light("nowhere"),
         lambda: live.set_view("nowhere"),
         lambda: live.set_colormap("nothing"),
@@ -133,12 +133,14 @@ def test_a_refused_change_changes_nothing(space):
     assert (drawn(live) == before).all()
 
 
-def test_environments_are_taken_as_eight_lights_or_refused(space):
+def test_environments_are_taken_as_some_lights_or_refused(space):
     sky = md.Environment(np.ones((8, 16, 3)))
-    with pytest.raises(MeshdepictError, match="at most 8 lights, not 54"):
-        LiveShading(space, "light_warping", light=sky, view="front")
-    live = LiveShading(space, "light_warping", light=sky, options={"lights": 8}, view="front")
-    live.check()
+    with pytest.raises(MeshdepictError, match="at most 64 lights, not 100"):
+        LiveShading(space, "light_warping", light=sky, options={"lights": 100}, view="front")
+    for lights in (8, 54):
+        options = {"lights": lights}
+        live = LiveShading(space, "light_warping", light=sky, options=options, view="front")
+        live.check()
 
 
 def test_only_a_mesh_s_own_vertices_are_live(space):

@@ -128,7 +128,7 @@ REFUSED = [
     ("exaggerated", {"principal_strength": 2.0}, {}, "principal_strength=2.0, only with 0.0; bake"),
     ("exaggerated", {"contrast": -2.0}, {}, "contrast=-2.0 is not a number in its range"),
     ("lambert", {}, {"colormap": "sepia"}, "colormap is about meshes: a volume has the colours"),
-    ("phong", {}, {"light": ["east"] * 9}, "at most 8 lights, not 9; bake it instead"),
+    ("phong", {}, {"light": ["east"] * 65}, "at most 64 lights, not 65; bake it instead"),
 ]
 
 

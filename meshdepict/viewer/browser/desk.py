@@ -20,7 +20,7 @@ from meshdepict.options import as_text
 from meshdepict.scene.light import Light
 from meshdepict.scene.rig import Rig
 from meshdepict.scene.view import View
-from meshdepict.viewer.controls import Control, controls, place_option
+from meshdepict.viewer.controls import Control, controls, place_option, slid
 from meshdepict.viewer.packing import sight
 from meshdepict.viewer.page import save_page
 
@@ -133,6 +133,8 @@ class Desk:
     def _control(self, control: Control) -> dict[str, Any]:
         value = self.session.options.get(control.name, control.default)
         shown = control.start if value is None else value
+        if control.kind == "slider":
+            shown = slid(shown)
         if control.kind == "text":
             shown = "" if value is None else as_text(value)
         return {**asdict(control), "default": None, "value": _plain(shown), "unset": value is None,

@@ -9,7 +9,8 @@ from meshdepict.scales.space import ScaleSpace
 from meshdepict.scene.view import View
 from meshdepict.shading import exaggerated
 from meshdepict.shading.attention import NEAR
-from meshdepict.shading.exaggerated import SINGULAR_LIGHT, band_weights, per_band, settle
+from meshdepict.shading.bands import SINGULAR_LIGHT, band_weights
+from meshdepict.shading.exaggerated import per_band, settle
 from meshdepict.shading.method import require_smoothing
 from meshdepict.viewer.live.live_method import Attributes, LiveMethod, Options, packed
 

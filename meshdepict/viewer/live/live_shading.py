@@ -42,7 +42,7 @@ class LiveShading(LiveLook):
     for another view where curvature is the view's. Some options, such as a first highlight or
     colour map, have the shader compiled again.
 
-    Not live, and refused: methods that `live_methods` doesn't name, more than eight lights
+    Not live, and refused: methods that `live_methods` doesn't name, more than 64 lights
     (environments that are sampled into more), materials other than Lambert's and Phong's,
     principal_strength, transmitted light, illumination other than "lights", quadrature by
     directions, and more than 44 scales (29 of Light Alignment). Two-dimensional colour maps and the

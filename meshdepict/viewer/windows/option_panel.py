@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from meshdepict.viewer.controls import Control, controls
+from meshdepict.viewer.controls import Control, controls, slid
 from meshdepict.viewer.session import Session
 from meshdepict.viewer.windows.cycle import other
 from meshdepict.viewer.windows.labels import INK, label
@@ -113,8 +113,9 @@ class OptionPanel:
             self._build()
         for control, _, shape, number in self._sliders:
             value = self._value(control)
-            number.SetInput("auto" if value is None else f"{value:.5g}{control.unit}")
-            place = control.start if value is None else value
+            said = "several" if isinstance(value, tuple) else f"{value or 0.0:.5g}{control.unit}"
+            number.SetInput("auto" if value is None else said)
+            place = control.start if value is None else slid(value)
             shape.SetValue(min(max(place, control.low), control.high))
         for i, (control, line) in enumerate(self._lists):
             line.SetInput(f"{i + 1}   {control.label}: {self._value(control)}")
