@@ -91,8 +91,9 @@ class ImageSpace(ScaleSpace):
         """Return the Sobel Hessian of a scale's slopes (Light Warping, alg. 1), per pixel.
 
         The weight fades out where |Δ ln depth| to one of the eight neighbours rises from 0.03 to
-        0.04 (of a parallel view's, see `GBuffer.depth_ratio`), at the mask's border, and where a
-        normal turns by 30° to 60°.
+        0.04 (of a parallel view's, see `GBuffer.depth_ratio`), or with the buffer's occlusion map
+        where `GBuffer.silhouettes` says so, at the mask's border, and where a normal turns by 30°
+        to 60°.
 
         Parameters
         ----------
@@ -264,8 +265,13 @@ def _conductance(gbuffer: GBuffer, normals: Singles) -> Singles:
     from meshdepict.curvature.view import conductance, smoothstep
 
     begin, end = _SILHOUETTE
-    ratio = gbuffer.depth_ratio(largest_steps(gbuffer.index, gbuffer.depth_steps))
+    steps = largest_steps(gbuffer.index, gbuffer.depth_steps)
     creases = conductance(1.0, least_cosines(gbuffer.index, normals))
+    if gbuffer.silhouettes == "occlusion":
+        assert gbuffer.openness is not None  # or the buffer would have been refused
+        open_ = np.where(np.isinf(steps), 0.0, np.clip(gbuffer.openness, 0, 1))
+        return np.minimum(open_, creases).astype(np.float32)
+    ratio = gbuffer.depth_ratio(steps)
     return np.minimum(1 - smoothstep((ratio - begin) / (end - begin)), creases).astype(np.float32)
 
 

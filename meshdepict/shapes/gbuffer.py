@@ -24,6 +24,7 @@ __all__ = ["GBuffer"]
 
 Floats = NDArray[np.float64]
 
+SILHOUETTES = ("depth", "occlusion")
 _UNIT = 1e-3  # how far a unit normal's length may be off: single precision and more
 
 
@@ -50,6 +51,8 @@ class GBuffer(PixelSamples):
         Ambient occlusion that came with images: 1 where open.
     colors : (n, 3) array of uint8 or None
         Display colours that came with images: those of the surface itself.
+    silhouettes : {"depth", "occlusion"}
+        What Light Warping's silhouettes are told by; see `from_images`.
 
     Raises
     ------
@@ -69,6 +72,7 @@ class GBuffer(PixelSamples):
         *,
         openness: ArrayLike | None = None,
         colors: ArrayLike | None = None,
+        silhouettes: str = "depth",
     ) -> None:
         super().__init__(view, mask, depths)
         count = len(self.depths)
@@ -85,6 +89,15 @@ class GBuffer(PixelSamples):
             if ((levels < 0) | (levels > 255) | (levels % 1 != 0)).any():
                 raise MeshdepictError("colors must be whole numbers from 0 to 255")
             self.colors = frozen(levels.astype(np.uint8))
+        if not isinstance(silhouettes, str) or silhouettes not in SILHOUETTES:
+            raise MeshdepictError(
+                f"silhouettes={silhouettes!r} is not one of {', '.join(SILHOUETTES)}"
+            )
+        if silhouettes == "occlusion" and openness is None:
+            raise MeshdepictError(
+                "silhouettes='occlusion' needs an occlusion image: give one, or leave it out"
+            )
+        self.silhouettes = silhouettes
         self.mesh: Mesh | None = None
         self.triangle: NDArray[np.int32] | None = None
         self.barycentric: Floats | None = None
@@ -150,6 +163,7 @@ class GBuffer(PixelSamples):
         green: str = "up",
         depth_scale: float | str = 1.0,
         colors: ArrayLike | str | Path | None = None,
+        silhouettes: str = "depth",
     ) -> GBuffer:
         """Take a normal map, and what else there is: arrays, or image files.
 
@@ -176,6 +190,10 @@ class GBuffer(PixelSamples):
         colors : (h, w, 3 or 4) array_like or path, optional
             Display colours of the surface, as an RGBN image has them: unsigned numbers, or
             fractions. ``albedo="keep"`` multiplies them.
+        silhouettes : {"depth", "occlusion"}
+            What curvature as the view sees it, and diffusion, stop at, beside creases: where the
+            depth jumps, or, of RGBN images, which have none, where the occlusion map is dark (Light
+            Warping, §4.4): w_s = 1 − occlusion. The mask's border is a silhouette either way.
 
         Raises
         ------
@@ -203,7 +221,7 @@ class GBuffer(PixelSamples):
         shown = None if colors is None else image_colors(colors, here.shape)[here]
         return cls(
             view, here, found.normals[here] @ view.frame, away[here],
-            openness=openness, colors=shown,
+            openness=openness, colors=shown, silhouettes=silhouettes,
         )  # fmt: skip
 
     def __repr__(self) -> str:
