@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from meshdepict import congruence, curvature, shading
     from meshdepict.baking.baked import Baked
     from meshdepict.baking.look import bake, bake_volume
+    from meshdepict.baking.method_list import methods
     from meshdepict.baking.plates import plate
     from meshdepict.baking.recipe import load_recipe, save_recipe
     from meshdepict.color.transfer_function import TransferFunction
@@ -55,6 +56,7 @@ __all__ = [
     "curvature",
     "load_recipe",
     "method",
+    "methods",
     "plate",
     "read",
     "read_mesh",
@@ -84,6 +86,7 @@ _HOME = {
     "compare": "congruence.comparison",
     "load_recipe": "baking.recipe",
     "method": "shading.method",
+    "methods": "baking.method_list",
     "plate": "baking.plates",
     "read": "io",
     "read_mesh": "io",

@@ -19,11 +19,14 @@ if TYPE_CHECKING:
     from meshdepict.baking.choices import Choices
     from meshdepict.baking.refinement import EdgeError
     from meshdepict.drawing.figure import Figure
+    from meshdepict.drawing.page import Page
     from meshdepict.scales.space import ScaleSpace
     from meshdepict.scene.shape import Shape
     from meshdepict.shapes.mesh import Mesh
 
 __all__ = ["Baked", "Depiction"]
+
+_IN_NOTEBOOKS = (480, 480)  # pixels: beside a cell, and drawn at once
 
 
 class Depiction:
@@ -87,6 +90,25 @@ class Depiction:
 
         return show(self, **plotter)
 
+    def plot(self, **words: Any) -> Any:
+        """Show this bake as PyVista's ``mesh.plot`` shows a mesh, in the colours that it has.
+
+        Parameters
+        ----------
+        **words
+            As for ``pyvista.plot``: ``off_screen``, ``window_size``, ``screenshot``,
+            ``return_img``, ``return_cpos``, ``jupyter_backend``, ``cpos``, and of meshes those of
+            ``add_mesh``. Without ``cpos`` the view is this bake's.
+
+        Raises
+        ------
+        MeshdepictError
+            For other words, and where there is no display.
+        """
+        from meshdepict.drawing.plotting import plot_and_show
+
+        return plot_and_show(self, **words)
+
     def picture(
         self,
         path: str | Path,
@@ -116,15 +138,29 @@ class Depiction:
             object, and where the file can't be written.
         """
         from meshdepict.drawing.figure import Figure
+        from meshdepict.drawing.picture_files import check_picture, write_page
 
         figure = Figure(
             size=size, dpi=dpi, background=background, scale_bar=scale_bar, unit=unit,
             pixels_per_unit=pixels_per_unit, caption=caption,
         )  # fmt: skip
-        return self._draw(path, figure)
+        figure = figure.on(self.ground)
+        check_picture(path, figure)
+        return write_page(self._page(figure), path, self.provenance)
 
-    def _draw(self, path: str | Path, figure: Figure) -> Path:
+    def _page(self, figure: Figure) -> Page:
+        """Return what `picture` writes, laid out in a figure."""
         raise NotImplementedError
+
+    def _repr_png_(self) -> bytes | None:
+        """Return a small picture, which notebooks show; None where nothing can be drawn."""
+        from meshdepict.drawing.figure import Figure
+        from meshdepict.drawing.picture_files import encoded
+
+        try:
+            return encoded(self._page(Figure(size=_IN_NOTEBOOKS)), ".png")
+        except (MeshdepictError, ImportError, OSError, RuntimeError):
+            return None  # then they show the repr
 
 
 class Baked(Depiction):
@@ -254,9 +290,15 @@ class Baked(Depiction):
         _ = self.mesh  # refuses an image
         return super().show(**plotter)
 
-    def _draw(self, path: str | Path, figure: Figure) -> Path:
-        from meshdepict.drawing.picture import save_image, save_picture
+    def plot(self, **words: Any) -> Any:
+        """As for every bake; an image has no surface."""
+        _ = self.mesh
+        return super().plot(**words)
+
+    def _page(self, figure: Figure) -> Page:
+        """Return what `picture` writes: of an image its pixels, just as they are."""
+        from meshdepict.drawing.picture import draw_page, image_page
 
         if isinstance(self.shape, GBuffer):
-            return save_image(self, path, background=figure.background)
-        return save_picture(self, path, figure)
+            return image_page(self, figure)
+        return draw_page(self, figure)

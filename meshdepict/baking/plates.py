@@ -15,9 +15,9 @@ from meshdepict.baking.surfaces import as_mesh
 from meshdepict.baking.volumes import as_volume, is_volume
 from meshdepict.drawing.arrangement import arranged, turn_names
 from meshdepict.drawing.figure import Figure
-from meshdepict.drawing.page import Page, paint
+from meshdepict.drawing.page import Page, Picture, paint
 from meshdepict.drawing.paper_scale import paper_scale, pixels_at
-from meshdepict.drawing.picture_files import write_page
+from meshdepict.drawing.picture_files import encoded, write_page
 from meshdepict.drawing.plate_layout import NoRoomError, Plan, plan
 from meshdepict.errors import MeshdepictError
 from meshdepict.scales.ladder import Progress
@@ -36,8 +36,10 @@ __all__ = ["Plate", "plate"]
 
 VIEWS = ("front", "right", "below")
 
+_IN_NOTEBOOKS = (800, 800)  # pixels at most
 
-@dataclass(frozen=True)
+
+@dataclass(frozen=True, repr=False)
 class Plate:
     """A page of views.
 
@@ -66,6 +68,19 @@ class Plate:
             For another suffix, and where the file can't be written.
         """
         return write_page(self.page, path, self.provenance)
+
+    def _repr_png_(self) -> bytes:
+        """Return a small picture, which notebooks show."""
+        image = self.image
+        image.thumbnail(_IN_NOTEBOOKS)
+        small = Page(image.size, self.page.ground, (Picture(image, 0, 0),))
+        return encoded(small, ".png")
+
+    def __repr__(self) -> str:
+        """Return size and number of views."""
+        views = sum(isinstance(part, Picture) for part in self.page.parts)
+        width, height = self.page.size
+        return f"<Plate: {views} views on {width} x {height} pixels>"
 
     @property
     def image(self) -> Image:

@@ -25,6 +25,7 @@ from meshdepict.voxels.grid_sums import Piece
 if TYPE_CHECKING:
     from meshdepict.color.transfer_function import TransferFunction
     from meshdepict.drawing.figure import Figure
+    from meshdepict.drawing.page import Page
     from meshdepict.shapes.volume import Volume
 
 __all__ = ["BakedVolume", "as_volume", "bake_grid", "is_volume"]
@@ -115,10 +116,11 @@ class BakedVolume(Depiction):
 
         return image_of(self.rgba, self.shape, self.comments)
 
-    def _draw(self, path: str | Path, figure: Figure) -> Path:
-        from meshdepict.drawing.volume_picture import save_volume_picture
+    def _page(self, figure: Figure) -> Page:
+        """Return what `picture` writes."""
+        from meshdepict.drawing.volume_picture import draw_volume_page
 
-        return save_volume_picture(self, path, figure)
+        return draw_volume_page(self, figure)
 
 
 def bake_grid(

@@ -24,8 +24,8 @@ def methods(
     names
         Methods to describe.
     """
-    from meshdepict.commands import report
+    from meshdepict.baking import method_list
 
     everywhere.obey()
-    described = [report.method(name) for name in names]
-    say("\n\n".join(described) if described else report.methods())
+    described = [repr(method_list.methods(name)) for name in names]
+    say("\n\n".join(described) if described else repr(method_list.methods()))

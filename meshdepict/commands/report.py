@@ -1,20 +1,21 @@
-"""What ``meshdepict methods`` and ``meshdepict info`` print: plain text in columns."""
+"""What ``meshdepict info`` prints: plain text in columns."""
 
 from __future__ import annotations
 
-import inspect
 import warnings
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from meshdepict import threads
+from meshdepict.shapes.summary import data_rows, mesh_rows, volume_rows
+from meshdepict.shapes.table import columns
 
 if TYPE_CHECKING:
     from meshdepict.baking.look import Look
     from meshdepict.shapes.mesh import Mesh
 
-__all__ = ["explained", "info", "method", "methods", "predicted"]
+__all__ = ["explained", "info", "predicted"]
 
 # A default bake: the program itself, and core-seconds and bytes of each vertex
 # (scripts/cost_constants.py --bakes measures the four).
@@ -28,48 +29,6 @@ _FILE_BYTES = 1000
 _VOXEL_FILE_SECONDS = 0.1e-6
 
 
-def methods() -> str:
-    """Return every method's name, summary and paper."""
-    from meshdepict.shading.method import declaration
-    from meshdepict.shading.registry import METHODS
-
-    rows = []
-    for name, function in METHODS.items():
-        rows += [(name, _summary(function)), ("", declaration(function).source)]
-    return _columns(rows)
-
-
-def method(name: str) -> str:
-    """Return what there is to know about one method: its paper, its scales, its options."""
-    from meshdepict.baking.look import Look
-    from meshdepict.options import as_text, options_of
-    from meshdepict.shading.method import NEEDS, declaration
-    from meshdepict.shading.registry import find_method
-
-    function = find_method(name)
-    declared = declaration(function)
-    scales = "no scales: the mesh's own normals"
-    if declared.scales:
-        scales = f"{declared.scales} scales, each {declared.ratio:.4g} times as wide as the last"
-    values = "linear light, encoded as sRGB" if declared.linear else "display values, as they are"
-    facts = [("paper", declared.source), ("uses", scales), ("values", values)]
-    facts += [("needs", f"{need}: {NEEDS[need]}") for need in NEEDS if need in declared.needs]
-    if declared.lights != "none":
-        facts += [("light", f"{declared.light} unless told otherwise")]
-    follows = Look(function).following
-    if follows:
-        facts += [("fitted", f"to the shape unless given: {', '.join(follows)}")]
-    options = [("--set", "default", "range", "")]
-    for option in options_of(function).values():
-        default = "none" if option.default is None else as_text(option.default)
-        if option.name in follows:
-            default = "fitted"
-        options.append((option.name, default, str(option.accepts), option.help))
-    if len(options) == 1:
-        options = [("--set", "no options", "", "")]
-    return f"{name}: {_summary(function)}\n\n{_columns(facts)}\n\n{_columns(options)}"
-
-
 def info(path: Path) -> str:
     """Return counts, size, defects, attributes and provenance of a mesh file, or of a volume."""
     from meshdepict.io import read_mesh, read_provenance
@@ -80,36 +39,21 @@ def info(path: Path) -> str:
     mesh = read_mesh(path)
     seconds, size = predicted(mesh)
     rows = [
-        ("vertices", f"{len(mesh.vertices):,}"),
-        ("faces", _faces(mesh)),
-        *_lengths(mesh),
+        *mesh_rows(mesh),
         *_oddities(mesh),
-        *((f"{element} data", ", ".join(names)) for element, names in _data(mesh) if names),
+        *data_rows(mesh),
         ("default bake", f"about {_duration(seconds)} and {_bytes(size)} of memory"),
     ]
     lines = read_provenance(path) or []
     rows += [("" if i else "baked", line.split(" ", 1)[1]) for i, line in enumerate(lines)]
-    return f"{path}\n{_columns(rows, indent='  ')}"
+    return f"{path}\n{columns(rows, indent='  ')}"
 
 
 def _volume_info(path: Path) -> str:
     """Return size, spacing, values and share of voxels that are shown by default."""
     from meshdepict.io.volumes import read_volume
 
-    volume = read_volume(path)
-    nz, ny, nx = volume.counts
-    low, high = volume.range
-    numbers = zip("xyz", volume.spacing, volume.outline.min(0), volume.outline.max(0), strict=True)
-    box = [(a, f"{s:.6g}", f"{least:.6g} … {most:.6g}") for a, s, least, most in numbers]
-    rows = [
-        ("voxels", f"{nx} x {ny} x {nz}"),
-        ("values", f"{low:g} … {high:g} {volume.unit} ({volume.values.dtype})"),
-        ("length unit", volume.length_unit or "not said"),
-        ("spacing", "  ".join(f"{axis} {step}" for axis, step, _ in box)),
-        ("box", "  ".join(f"{axis} {span}" for axis, _, span in box)),
-        *((str(key).replace("_", " "), str(text)) for key, text in volume.attributes.items()),
-    ]
-    return f"{path}\n{_columns(rows, indent='  ')}"
+    return f"{path}\n{columns([*volume_rows(read_volume(path))], indent='  ')}"
 
 
 def explained(path: Path, look: Look) -> str:
@@ -140,7 +84,7 @@ def explained(path: Path, look: Look) -> str:
     ]  # fmt: skip
     rows = [("", "", "seconds of a core", "memory")]
     rows += [(a, b, f"{s:.2f}" if s else "", _bytes(m) if m else "") for a, b, s, m in steps]
-    text = f"{look.method} of {path}\n{_columns(rows, indent='  ')}"
+    text = f"{look.method} of {path}\n{columns(rows, indent='  ')}"
     left = [str(scale) for scale in range(1, len(found.widths)) if scale not in found.sets]
     if left:
         noun = "scale" if len(left) == 1 else "scales"
@@ -156,22 +100,6 @@ def predicted(mesh: Mesh) -> tuple[float, float]:
     count = len(mesh.vertices)
     seconds = _START_SECONDS + _VERTEX_SECONDS * count / threads.thread_count()
     return seconds, _START_BYTES + _VERTEX_BYTES * count
-
-
-def _faces(mesh: Mesh) -> str:
-    if mesh.polygons is None:
-        return f"{len(mesh.faces):,} triangles"
-    return f"{len(mesh.polygons.offsets) - 1:,} polygons ({len(mesh.faces):,} triangles)"
-
-
-def _lengths(mesh: Mesh) -> Iterable[tuple[str, str]]:
-    low, high = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
-    spans = zip("xyz", low, high, strict=True)
-    yield "box", "  ".join(f"{axis} {least:.6g} … {most:.6g}" for axis, least, most in spans)
-    if mesh.length_unit:
-        yield "length unit", mesh.length_unit
-    yield "diagonal", f"{mesh.diagonal:.4g}"
-    yield "edge length", f"{mesh.edge_length:.4g} (median)"
 
 
 def _oddities(mesh: Mesh) -> Iterable[tuple[str, str]]:
@@ -194,24 +122,6 @@ def _oddities(mesh: Mesh) -> Iterable[tuple[str, str]]:
     texts += [message] if message else []
     for i, text in enumerate(texts or ["none"]):
         yield "" if i else "defects", text
-
-
-def _data(mesh: Mesh) -> Iterable[tuple[str, list[str]]]:
-    textured = getattr(mesh.document, "texcoords", None) is not None
-    yield "vertex", list(mesh.attributes["vertex"])
-    yield "face", [*mesh.attributes["face"], *["texture coordinates"] * textured]
-
-
-def _summary(function: Callable[..., Any]) -> str:
-    paragraph = (inspect.getdoc(function) or "").partition("\n\n")[0]
-    return " ".join(paragraph.split())
-
-
-def _columns(rows: Sequence[Sequence[str]], indent: str = "") -> str:
-    """Return rows as lines, every column but the last as wide as its widest cell."""
-    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    padded = ([cell.ljust(width) for cell, width in zip(row, widths, strict=True)] for row in rows)
-    return "\n".join((indent + "  ".join(cells)).rstrip() for cells in padded)
 
 
 def _duration(seconds: float) -> str:

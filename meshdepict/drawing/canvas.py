@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -111,9 +111,10 @@ def pixels_of(window: Plotter, view: View, shape: Shape) -> Bytes:
     return np.asarray(window.screenshot(return_img=True, transparent_background=True))
 
 
-def add_painted(window: Plotter, poly: PolyData) -> None:
-    """Add a ``pyvista.PolyData`` to a plotter, its "RGB" just as it is."""
-    window.add_mesh(poly, scalars="RGB", rgb=True, lighting=False, show_scalar_bar=False)
+def add_painted(window: Plotter, poly: PolyData, **looks: Any) -> None:
+    """Add a ``pyvista.PolyData`` to a plotter, its "RGB" just as it is unless told otherwise."""
+    usual = {"scalars": "RGB", "rgb": True, "lighting": False, "show_scalar_bar": False}
+    window.add_mesh(poly, **usual | looks)
 
 
 def on_ground(premultiplied: Bytes, ground: tuple[int, int, int] | None) -> Bytes:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -14,7 +15,7 @@ from meshdepict.drawing.figure import Figure
 from meshdepict.drawing.framing import Framing, caption_lines, frame
 from meshdepict.drawing.letters import LEADING
 from meshdepict.drawing.page import Page, Part, Picture, Words, paint
-from meshdepict.drawing.picture_files import check_picture, write_page, write_picture
+from meshdepict.drawing.picture_files import check_picture, write_page
 from meshdepict.drawing.scale_bar import bar_parts, scale_bar
 from meshdepict.shapes.gbuffer import GBuffer
 
@@ -28,10 +29,10 @@ __all__ = [
     "caption_words",
     "draw_page",
     "finished",
+    "image_page",
     "laid_out",
     "plot",
     "plot_with",
-    "save_image",
     "save_picture",
 ]
 
@@ -86,22 +87,20 @@ def draw_page(baked: Painted, figure: Figure) -> Page:
         return laid_out(drawing.draw(framing.view), framing, figure)
 
 
-def save_image(baked: Painted, path: str | Path, *, background: str | None = None) -> Path:
-    """Write the pixels of a baked image, just as they are.
-
-    Raises
-    ------
-    MeshdepictError
-        As `check_picture`, for an unknown background, and where the file can't be written.
-    """
+def image_page(baked: Painted, figure: Figure) -> Page:
+    """Return a page with the pixels of a baked image, just as they are, and the caption below."""
     from PIL import Image
 
-    figure = Figure(background=background).on(baked.ground)
-    check_picture(path, figure)
+    figure = figure.on(baked.ground).captioned(baked.provenance)
     covered = np.column_stack((baked.colors, np.full(len(baked.colors), 255, np.uint8)))
     assert isinstance(baked.shape, GBuffer)
-    pixels = on_ground(baked.shape.image(covered), figure.ground)
-    return write_picture(Image.fromarray(pixels), path, baked.provenance)
+    image = Image.fromarray(on_ground(baked.shape.image(covered), figure.ground))
+    width, height = image.size
+    letters = figure.letters(image.size)
+    lines = caption_lines(figure, width, letters)
+    words = caption_words(lines, round(letters * 1.2), height, letters, figure)
+    size = width, height + math.ceil((len(lines) + 0.5) * LEADING * letters) * bool(lines)
+    return Page(size, figure.ground, (Picture(image, 0, 0), *words), figure.dpi)
 
 
 def finished(drawn: NDArray[np.uint8], framing: Framing, figure: Figure) -> Image:

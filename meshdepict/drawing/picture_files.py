@@ -19,7 +19,14 @@ if TYPE_CHECKING:
 
     from meshdepict.drawing.figure import Figure
 
-__all__ = ["PICTURES", "check_picture", "read_picture_provenance", "write_page", "write_picture"]
+__all__ = [
+    "PICTURES",
+    "check_picture",
+    "encoded",
+    "read_picture_provenance",
+    "write_page",
+    "write_picture",
+]
 
 _QUALITY = 95  # of JPEG's 100; above, files grow and nobody sees why
 _COMMENT = 65_000  # bytes of a JPEG's comment
@@ -50,11 +57,15 @@ def write_page(page: Page, path: str | Path, facts: Mapping[str, str]) -> Path:
         As `check_picture`, and where the file can't be written; an earlier one is left as it was.
     """
     check_picture(path)
-    lines = [f"{MARK}{key}: {text}" for key, text in facts.items()]
-    contents = PICTURES[Path(path).suffix.lower()](page, lines)
+    contents = encoded(page, Path(path).suffix.lower(), facts)
     with atomic_write(Path(path)) as stream:
         stream.write(contents)
     return Path(path)
+
+
+def encoded(page: Page, suffix: str, facts: Mapping[str, str] | None = None) -> bytes:
+    """Return what `write_page` writes into a file with a suffix."""
+    return PICTURES[suffix](page, [f"{MARK}{key}: {text}" for key, text in (facts or {}).items()])
 
 
 def write_picture(

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from meshdepict.errors import MeshdepictError
 from meshdepict.scales.ladder import FACING, TOLERANCE, Progress, reporter
+from meshdepict.shapes.table import html_table
 
 if TYPE_CHECKING:
     from meshdepict.curvature.principal import PrincipalCurvatures
@@ -333,3 +334,17 @@ class ScaleSpace:
         count = len(self.widths) - 1
         widths = f", widths {self.widths[1]:.4g} … {self.widths[-1]:.4g}" if count else ""
         return f"<ScaleSpace: {len(self.points):,} samples, {count} scales{widths}>"
+
+    def _repr_html_(self) -> str:
+        """Return a table for notebooks."""
+        rows = [
+            ("of", repr(self.shape).strip("<>")),
+            ("samples", f"{len(self.points):,}"),
+            ("scales", str(len(self.widths) - 1)),
+        ]
+        if len(self.widths) > 1:
+            rows += [
+                ("widths", "  ".join(f"{width:.4g}" for width in self.widths[1:])),
+                ("ratio", f"{self.ratio:.4g}"),
+            ]
+        return html_table(rows, "ScaleSpace")

@@ -14,6 +14,8 @@ from meshdepict.images.pixel_samples import PixelSamples, check_size, finite
 from meshdepict.scene.vectors import frozen
 from meshdepict.shapes.fingerprint import fingerprint
 from meshdepict.shapes.mesh import Mesh
+from meshdepict.shapes.summary import image_rows
+from meshdepict.shapes.table import html_table
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -228,6 +230,10 @@ class GBuffer(PixelSamples):
         """Return size and number of samples."""
         width, height = self.size
         return f"<GBuffer: {width} x {height} pixels, {len(self.normals):,} samples>"
+
+    def _repr_html_(self) -> str:
+        """Return a table for notebooks."""
+        return html_table([*image_rows(self)], "GBuffer")
 
     # --- what every kind of shape has -------------------------------------------------------
 

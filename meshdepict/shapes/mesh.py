@@ -14,6 +14,8 @@ from meshdepict.errors import MeshdepictError, MeshdepictWarning
 from meshdepict.shapes.document import Document
 from meshdepict.shapes.fingerprint import fingerprint
 from meshdepict.shapes.geometry import Geometry
+from meshdepict.shapes.summary import data_rows, mesh_rows
+from meshdepict.shapes.table import html_table
 from meshdepict.surface.mesh_input import (
     as_vertices,
     check_indices,
@@ -157,6 +159,10 @@ class Mesh(Geometry):
         faces = len(self.faces) if self.polygons is None else len(self.polygons.offsets) - 1
         size = f"diagonal {self.diagonal:.4g}"
         return f"<Mesh: {len(self.vertices):,} vertices, {faces:,} faces, {size}>"
+
+    def _repr_html_(self) -> str:
+        """Return a table for notebooks."""
+        return html_table([*mesh_rows(self), *data_rows(self)], "Mesh")
 
     # --- what every kind of shape has -------------------------------------------------------
 

@@ -18,6 +18,8 @@ from meshdepict.color.hounsfield import check_rescale
 from meshdepict.errors import MeshdepictError
 from meshdepict.scene.vectors import frozen
 from meshdepict.shapes.fingerprint import fingerprint
+from meshdepict.shapes.summary import volume_rows
+from meshdepict.shapes.table import html_table
 from meshdepict.voxels.grid import Grid
 from meshdepict.voxels.volume_input import (
     as_list,
@@ -118,6 +120,10 @@ class Volume(Grid):
         nz, ny, nx = self.values.shape
         kind, spacing = self.values.dtype, as_list(self.spacing)
         return f"<Volume: {nx} x {ny} x {nz} {kind}, spacing {spacing}, {self.unit}>"
+
+    def _repr_html_(self) -> str:
+        """Return a table for notebooks."""
+        return html_table([*volume_rows(self)], "Volume")
 
     # --- values -----------------------------------------------------------------------------
 

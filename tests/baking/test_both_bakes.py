@@ -77,9 +77,9 @@ def test_pictures_take_the_same_words(baked, tmp_path):
 
 def test_wrong_pictures_are_refused_by_both(baked, tmp_path):
     for name, words, sentence in (
-        ("a.jpg", {}, r"end the name with \.png"),
+        ("a.tif", {}, r"end the name with \.png"),
         ("a.png", {"size": "big"}, "'big' is not WIDTHxHEIGHT"),
-        ("a.png", {"background": "pink"}, "background='pink'"),
+        ("a.png", {"background": "pnik"}, "did you mean 'pink'"),
     ):
         with pytest.raises(MeshdepictError, match=sentence):
             baked.picture(tmp_path / name, **words)

@@ -51,7 +51,8 @@ def test_a_method_without_options_says_so(monkeypatch):
 
     flat.declaration = declaration(METHODS["lambert"])
     monkeypatch.setitem(METHODS, "flat", flat)
-    assert "no options" in report.method("flat")
+    assert "no options" in repr(md.methods("flat"))
+    assert md.methods("flat")._repr_html_().count("<table>") == 1
 
 
 # --- info -----------------------------------------------------------------------------------------

@@ -40,10 +40,7 @@ def show(baked: Depiction, **plotter: Any) -> Any:
     """
     size = plotter.pop("window_size", None)
     if plotter or _in_notebook():
-        backend = {key: plotter.pop(key) for key in ("jupyter_backend",) if key in plotter}
-        if size is not None:
-            plotter["window_size"] = size
-        return _plot(baked, **plotter).show(**backend)
+        return baked.plot(window_size=size, **plotter)
     check_display()
     try:
         session = session_of(baked)
