@@ -190,7 +190,8 @@ def test_a_low_block_is_seen_from_above_at_an_angle():
 
 
 def test_y_is_up_where_the_shape_says_nothing():
-    for shape in (md.samples.sphere(300), md.samples.golf_ball(300), plate(2)):
+    balls = [md.samples.sphere(count) for count in (12, 60, 300, 842)]
+    for shape in (*balls, md.samples.golf_ball(300), plate(2)):
         assert standing(shape).up == "y"
         assert not standing(shape).note
 
