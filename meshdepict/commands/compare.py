@@ -46,6 +46,9 @@ def compare(
     ] = None,
     options: Annotated[list[str] | None, Parameter(name="--set", group=LOOK)] = None,
     per_pixel: Annotated[bool, Parameter(group=DETAIL, show_default=False)] = False,
+    scored: Annotated[
+        Literal["declared", "linear", "display"], Parameter(group=DETAIL)
+    ] = "declared",
     look: LookWords,
     winding: Annotated[Literal["auto", "keep"], Parameter(group=FILES)] = "auto",
     everywhere: Everywhere,
@@ -76,6 +79,8 @@ def compare(
         An option of a method as METHOD.name=value. Repeatable.
     per_pixel
         Shade pixels, as the papers do, instead of vertices.
+    scored
+        Which values are scored: as each method declares, or linear or displayed ones of all alike.
     winding
         auto: turn faces that look inwards before shading; keep: believe the file.
     """
@@ -107,7 +112,8 @@ def compare(
         mesh = samples.golf_ball() if source is None else read_mesh(source, winding=winding)
         found = comparison.compare(
             mesh, method or None, lights=lights, size=pixels, options=given,
-            per_pixel=per_pixel, progress=progress, **{"view": AUTO, "up": AUTO, **look.said},
+            per_pixel=per_pixel, scored=scored, progress=progress,
+            **{"view": AUTO, "up": AUTO, **look.said},
         )  # fmt: skip
         comparison_report.save_sheet(found, output)
         if csv is not None:

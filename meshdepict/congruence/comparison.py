@@ -5,9 +5,10 @@ from __future__ import annotations
 import functools
 import operator
 import time
+import typing
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,6 +36,7 @@ if TYPE_CHECKING:
 __all__ = ["Comparison", "compare", "options_text", "usual_methods"]
 
 Shading = Callable[..., Any]
+Scored = Literal["declared", "linear", "display"]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -116,6 +118,7 @@ def compare(
     size: tuple[int, int] = (480, 480),
     options: Mapping[str, Mapping[str, Any]] | None = None,
     per_pixel: bool = False,
+    scored: Scored = "declared",
     scales: int = 6,
     width: float | str | None = None,
     ratio: float = 1.7,
@@ -148,6 +151,9 @@ def compare(
         and for Exaggerated Shading of its own paper's examples.
     per_pixel : bool
         Shade pixels, as the papers do, instead of vertices.
+    scored : {"declared", "linear", "display"}
+        What values are scored: as each method declares its own (linear light of most, display
+        values of Exaggerated Shading), or those of all alike.
     scales, width, ratio, facing, tolerance
         Of the scale space; see `scale_space`.
     creases, normals
@@ -166,6 +172,8 @@ def compare(
         For anything unknown or out of range, no method, no light, a view that misses the shape.
     """
     start = time.perf_counter()
+    if scored not in typing.get_args(Scored):
+        raise MeshdepictError(f"scored={scored!r} is none of {', '.join(typing.get_args(Scored))}")
     functions = _by_name(usual_methods() if methods is None else methods)
     chosen = _options(functions, options or {})
     seen = Look(view=view, up=up, creases=creases, normals=normals)
@@ -193,8 +201,12 @@ def compare(
         values = Look(function, **options).shade(space, lamp, eye)
         return values if per_pixel else buffer.sample(values)
 
-    reference = shaded(METHODS["lambert"], Light(eye.towards_eye), {})
-    judge = Judge(buffer.depth, buffer.mask, reference=buffer.image(reference))
+    def judged(values: NDArray[Any], function: Shading) -> NDArray[Any]:
+        return buffer.image(_alike(values, scored, linear=declaration(function).linear))
+
+    lambert = METHODS["lambert"]
+    reference = shaded(lambert, Light(eye.towards_eye), {})
+    judge = Judge(buffer.depth, buffer.mask, reference=judged(reference, lambert))
     scores = np.zeros((len(functions), len(lamps)))
     height, width_px = buffer.mask.shape
     pictures = np.empty((len(functions), len(lamps), height, width_px, 3), np.uint8)
@@ -202,22 +214,31 @@ def compare(
         linear = declaration(function).linear
         for column, lamp in enumerate(lamps):
             values = shaded(function, lamp, given)
-            scores[row, column] = judge.score(buffer.image(values))
+            scores[row, column] = judge.score(judged(values, function))
             shown = color.encode(values, linear=linear)
             pictures[row, column] = buffer.image(shown, background=background)
             if progress:
                 progress(steps + row * len(lamps) + column + 1, 2 * steps)
     worst = lamps[int(np.argmin(scores[0]))]
     maps = tuple(
-        picture(judge.flows(buffer.image(shaded(function, worst, given))))
+        picture(judge.flows(judged(shaded(function, worst, given), function)))
         for function, given in zip(functions.values(), chosen, strict=True)
     )
     return Comparison(
         methods=tuple(functions), lights=lamps, scores=scores, pictures=pictures,
         score_pictures=maps, options=chosen, shape=mesh, view=eye,
-        settings={**smoothing, **made, "per_pixel": per_pixel},
+        settings={**smoothing, **made, "per_pixel": per_pixel, "scored": scored},
         seconds=time.perf_counter() - start,
     )  # fmt: skip
+
+
+def _alike(values: NDArray[Any], scored: str, *, linear: bool) -> NDArray[Any]:
+    """Return values as they are, as linear light, or as they are displayed."""
+    if scored == "linear" and not linear:
+        return color.srgb_to_linear(values)
+    if scored == "display" and linear:
+        return color.linear_to_srgb(values)
+    return values
 
 
 def usual_methods() -> tuple[str, ...]:

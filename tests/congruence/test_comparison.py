@@ -92,6 +92,25 @@ def test_pixels_are_shaded_when_asked_for(ball, found):
     assert (exact.pictures[1] != found.pictures[1]).any()
 
 
+def test_values_of_all_methods_can_be_scored_alike(ball, found):
+    def scores(scored):
+        again = compare(
+            ball, ("lambert", "exaggerated"), lights=["front", "east"], size=SIZE, scales=2,
+            scored=scored,
+        )  # fmt: skip
+        np.testing.assert_array_equal(again.pictures, found.pictures)
+        assert again.settings["scored"] == scored
+        return again.scores
+
+    np.testing.assert_array_equal(scores("declared"), found.scores)
+    linear, display = scores("linear"), scores("display")
+    np.testing.assert_array_equal(linear[0], found.scores[0])  # Lambert's values are linear
+    assert (linear[1] != found.scores[1]).all()
+    assert (display[0] != found.scores[0]).all()
+    # Displayed ones of a method that gives them as they are, but beside a reference as displayed.
+    assert (display[1] != found.scores[1]).any()
+
+
 def test_options_reach_their_methods(ball, found):
     more = compare(
         ball, ("lambert", "exaggerated"), lights=["front", "east"], size=SIZE, scales=2,
@@ -107,6 +126,7 @@ def test_options_reach_their_methods(ball, found):
     [
         ({"methods": ()}, "at least one method"),
         ({"lights": ()}, "at least one light"),
+        ({"scored": "seen"}, "scored='seen' is none of declared, linear, display"),
         ({"methods": ("lamber",)}, "did you mean 'lambert'"),
         ({"options": {"toon": {}}}, "options for 'toon', which isn't compared"),
         ({"options": {"lambert": {"wrong": 1}}}, "lambert has no option 'wrong'"),
