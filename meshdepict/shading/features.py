@@ -7,14 +7,13 @@ from typing import Annotated, Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from meshdepict.errors import MeshdepictError
 from meshdepict.options import Choice, Range, Samples, Values
 from meshdepict.scales.reads import Reads
 from meshdepict.scales.space import ScaleSpace
 from meshdepict.scene.material import MATERIALS, Material, adjusted, as_material
 from meshdepict.scene.names import as_view
 from meshdepict.scene.view import View, named_directions
-from meshdepict.shading.importance import between_scales, importance_at
+from meshdepict.shading.importance import between_scales, wanted_scales
 
 __all__ = [
     "Bins",
@@ -155,16 +154,9 @@ def features(
     """
     if importance is None:
         return _at_scale(space, view, curvature, scale, gain, foreshortening)
-    last = len(space.widths) - 1
-    if scale >= last:
-        raise MeshdepictError(
-            f"importance chooses between scale {scale} and coarser ones, and there are none: make "
-            "more with scales=5 (--scales 5)"
-        )
-    share = importance_at(space, view, importance)
     return between_scales(
         lambda each: _at_scale(space, view, curvature, each, gain, foreshortening),
-        last - share * (last - scale),
+        wanted_scales(space, view, importance, scale=scale),
     )
 
 

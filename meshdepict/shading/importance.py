@@ -24,7 +24,7 @@ from meshdepict.scene.upright import UPS
 from meshdepict.scene.view import VIEWS, View
 from meshdepict.shading.attention import remoteness
 
-__all__ = ["between_scales", "importance_at"]
+__all__ = ["between_scales", "importance_at", "mean_between_scales", "wanted_scales"]
 
 Floats = NDArray[np.float64]
 
@@ -66,6 +66,40 @@ def importance_at(space: ScaleSpace, view: View, importance: ArrayLike | Samples
     if share.shape != (count,) or not ((share >= 0) & (share <= 1)).all():
         raise MeshdepictError(f"importance must be {count:,} numbers from 0 to 1, one per point")
     return share
+
+
+def wanted_scales(
+    space: ScaleSpace, view: View, importance: ArrayLike | Samples | str, *, scale: int
+) -> Floats:
+    """Return which scale every sample takes, (n,): `scale` where I = 1, the coarsest where I = 0.
+
+    Raises
+    ------
+    MeshdepictError
+        Where there are no coarser scales, and as `importance_at`.
+    """
+    last = len(space.widths) - 1
+    if scale >= last:
+        raise MeshdepictError(
+            f"importance chooses between scale {scale} and coarser ones, and there are none: make "
+            "more with scales=5 (--scales 5)"
+        )
+    return last - importance_at(space, view, importance) * (last - scale)
+
+
+def mean_between_scales(at: Callable[[int], NDArray[Any]], wanted: Floats) -> NDArray[Any]:
+    """Return numbers (k, n) of every sample at a scale of its own, between two linearly.
+
+    Parameters
+    ----------
+    at : callable
+        ``at(scale)`` returns the (k, n) numbers of all samples at a scale.
+    wanted : (n,) array
+    """
+    found: Any = 0
+    for scale in np.unique(np.concatenate([np.floor(wanted), np.ceil(wanted)])):
+        found = found + np.maximum(1 - np.abs(wanted - scale), 0) * at(int(scale))
+    return np.asarray(found)
 
 
 def between_scales(at: Callable[[int], Any], wanted: Floats) -> Any:

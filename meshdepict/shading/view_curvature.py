@@ -11,7 +11,8 @@ from meshdepict.options import Range
 from meshdepict.scales.reads import Reads
 from meshdepict.scales.space import ScaleSpace
 from meshdepict.scene.view import View
-from meshdepict.shading.features import Foreshortening, Scale
+from meshdepict.shading.features import Foreshortening, Importance, Scale, sight
+from meshdepict.shading.importance import mean_between_scales, wanted_scales
 from meshdepict.shading.method import Exposure, exposed, method
 
 __all__ = ["view_curvature"]
@@ -43,6 +44,7 @@ def view_curvature(
         float, Range(0, 1e30, help="factor on curvature per pixel before tanh", soft=(0, 100))
     ] = 20.0,
     foreshortening: Foreshortening = 1.0,
+    importance: Importance = None,
     exposure: Exposure = 1.0,
 ) -> NDArray[np.float32]:
     """Colour hollows warm, bumps cold, silhouettes and creases black, as the view sees them.
@@ -58,6 +60,8 @@ def view_curvature(
         the armadillo, in pictures 1000 pixels high.
     foreshortening : float
         0.4 in Radiance Scaling's shader.
+    importance : str or array_like in [0, 1], optional
+        Where fine detail matters (fig. 6, right); see `meshdepict.shading.light_warping`.
 
     Returns
     -------
@@ -67,9 +71,18 @@ def view_curvature(
     Raises
     ------
     MeshdepictError
-        For a scale that the space does not have.
+        For a scale that the space does not have, and an importance that can't be had.
     """
-    seen = space.view_curvature(view, scale, foreshortening=foreshortening)
-    hollow = np.tanh(np.clip(gain * seen.mean, -20, 20)).astype(np.float32)[:, None]
+
+    def at(scale: int) -> NDArray[np.float64]:
+        seen = space.view_curvature(view, scale, foreshortening=foreshortening)
+        return np.stack([seen.mean, seen.weight])
+
+    if importance is None:
+        mean, weight = at(scale)
+    else:
+        eye = sight(view, space, fitted=True)
+        mean, weight = mean_between_scales(at, wanted_scales(space, eye, importance, scale=scale))
+    hollow = np.tanh(np.clip(gain * mean, -20, 20)).astype(np.float32)[:, None]
     colour = _FLAT + np.abs(hollow) * (np.where(hollow > 0, _WARM, _COLD) - _FLAT)
-    return exposed(colour * seen.weight[:, None], exposure)
+    return exposed(colour * weight.astype(np.float32)[:, None], exposure)

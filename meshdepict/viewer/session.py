@@ -136,7 +136,7 @@ class Session:
         if name is None:
             having = [each for each in METHODS if place_option(each)]
             raise MeshdepictError(
-                f"{self.method} draws no attention to a point; {' and '.join(having)} do"
+                f"{self.method} draws no attention to a point (these do: {', '.join(having)})"
             )
         self.set(**{name: None if point is None else tuple(np.asarray(point).tolist())})
         return name

@@ -100,6 +100,24 @@ def test_foreshortening_zero_sees_the_curvature_of_a_sphere_everywhere():
     assert np.ptp(steep[facing], axis=0).max() > 0.3
 
 
+def test_importance_chooses_between_scales(ball):
+    space = scale_space(ball, scales=4)
+    count = len(space.points)
+
+    def shown(**options):
+        return shading.view_curvature(space, LIGHT, view=front(), **options)
+
+    for share, scale in ((1.0, 1), (0.0, 4), (2 / 3, 2)):
+        found = shown(importance=np.full(count, share))
+        np.testing.assert_allclose(found, shown(scale=scale), atol=1e-5)
+    middle = shown(importance="0,0,1,0.4")
+    near = np.linalg.norm(ball.vertices - [0, 0, 1], axis=1) < 0.02
+    far = (np.linalg.norm(ball.vertices - [0, 0, 1], axis=1) > 1.2) & (ball.vertices[:, 2] > 0)
+    assert near.any()
+    np.testing.assert_allclose(middle[near], shown()[near], atol=0.02)
+    np.testing.assert_allclose(middle[far], shown(scale=4)[far], atol=0.05)
+
+
 @pytest.mark.parametrize(
     ("options", "message"),
     [

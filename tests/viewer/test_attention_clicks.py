@@ -65,7 +65,7 @@ def place_in_picture(window, point):
 def test_every_option_that_is_a_place_is_found():
     found = {name: place_option(name) for name in METHODS}
     assert {name: place for name, place in found.items() if place} == {
-        "exaggerated": "focus", "light_warping": "importance",
+        "exaggerated": "focus", "light_warping": "importance", "view_curvature": "importance",
     }  # fmt: skip
     assert options_of(METHODS["exaggerated"])["focus"].accepts.place
 
@@ -79,7 +79,7 @@ def test_a_session_draws_attention_and_lifts_it_again(ball):
     session.attend(None)
     np.testing.assert_array_equal(session.colors, plain)
     session.use("lambert")
-    with pytest.raises(MeshdepictError, match="exaggerated and light_warping do"):
+    with pytest.raises(MeshdepictError, match=r"\(these do: exaggerated, light_warping, "):
         session.attend((0, 0, 1))
 
 
