@@ -5,13 +5,13 @@ from __future__ import annotations
 from typing import Annotated, Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
-from meshdepict.options import Range
+from meshdepict.options import Range, Samples
 from meshdepict.scales.reads import Reads
 from meshdepict.scales.space import ScaleSpace
 from meshdepict.scene.view import View
-from meshdepict.shading.features import Foreshortening, Importance, Scale, sight
+from meshdepict.shading.features import Foreshortening, Importance, Scale, bends, sight
 from meshdepict.shading.importance import mean_between_scales, wanted_scales
 from meshdepict.shading.method import Exposure, exposed, method
 
@@ -23,8 +23,10 @@ _FLAT = np.array([0.93, 0.92, 0.89], np.float32)
 _COLD = np.array([0.10, 0.35, 0.75], np.float32)
 
 
-def _reads(last: int, *, scale: int, **_: Any) -> Reads:
-    return Reads(seen=frozenset((scale,)))
+def _reads(
+    last: int, *, scale: int, importance: ArrayLike | Samples | str | None, **_: Any
+) -> Reads:
+    return Reads(seen=bends(scale, "view", importance, last).seen)
 
 
 @method(

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from meshdepict import bake, scale_space, shading
+from meshdepict import Look, bake, scale_space, shading
 from meshdepict.errors import MeshdepictError
 from meshdepict.scene.view import View
 from meshdepict.shapes import samples
@@ -116,6 +116,8 @@ def test_importance_chooses_between_scales(ball):
     assert near.any()
     np.testing.assert_allclose(middle[near], shown()[near], atol=0.02)
     np.testing.assert_allclose(middle[far], shown(scale=4)[far], atol=0.05)
+    assert Look("view_curvature", importance="0,0,1").reads(4).seen == {1, 2, 3, 4}
+    assert Look("view_curvature").reads(4).seen == {1}
 
 
 @pytest.mark.parametrize(
