@@ -43,8 +43,10 @@ class Group:
     @property
     def caption(self) -> str:
         """What stands below it: method and light, and the name if it has one."""
-        light = self.look.lighting(self.eye, self.shape.kind)
-        said = f"{self.look.method}, light {str(light).partition(' (')[0]}"
+        said = self.look.method
+        if self.look.declared.lights != "none":
+            light = self.look.lighting(self.eye, self.shape.kind)
+            said += f", light {str(light).partition(' (')[0]}"
         return f"{self.name}: {said}" if self.name else said
 
 
@@ -97,7 +99,7 @@ def _baked(
         scales, ratio = look.ladder
         spaces[key] = scale_space(
             shape, scales=scales, width=look.width, ratio=ratio, facing=look.facing,
-            tolerance=look.tolerance, view=view,
+            tolerance=look.tolerance, view=view, at_once=(),
         )  # fmt: skip
     return bake_surface(spaces[key], look.replace(**usual))
 

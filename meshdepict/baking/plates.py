@@ -24,6 +24,7 @@ from meshdepict.scales.ladder import Progress
 from meshdepict.scales.space import ScaleSpace
 from meshdepict.scene.names import LightsLike, is_several
 from meshdepict.scene.view import View
+from meshdepict.shading.method import declaration
 from meshdepict.shading.registry import find_method
 from meshdepict.shapes.gbuffer import GBuffer
 from meshdepict.shapes.mesh import Mesh
@@ -165,7 +166,8 @@ def plate(
     if len(called) != len(read):
         raise MeshdepictError(f"there are {len(read)} shapes and {len(called)} names for them")
     if figure.caption == "auto":
-        sides = ", ".join((str(main) if isinstance(main, str) else "own view", *turns))
+        seen = poses[0].view
+        sides = ", ".join((seen if isinstance(seen, str) else "own view", *turns))
         figure = replace(figure, caption=f"{', '.join(called)}: {sides}")
     groups = [
         Group(shape, look, eye, arranged(eye, shape, turns), name if len(read) > 1 else "")
@@ -174,7 +176,7 @@ def plate(
         for eye in [look.of_kind(shape.kind).eye(shape)]
     ]
     unit = figure.unit or _common_unit(read)
-    layout = _planned(groups, figure, _columns(len(read), len(looks), len(lamps)), unit, scale)
+    layout = _planned(groups, figure, _columns(len(read), looks, len(lamps)), unit, scale)
     pictures, facts = draw_groups(groups, layout.spots, figure.ground, progress)
     page = Page(pixels, figure.ground, (*pictures, *layout.parts), figure.dpi)
     paper = paper_scale(figure, unit)
@@ -202,7 +204,7 @@ def _looks(
     options: Mapping[str, Mapping[str, Any]],
     chosen: Mapping[str, Any],
 ) -> list[Look]:
-    """Return the looks, light by light of each method; what can be refused is, before any work."""
+    """Return the looks, light by light of each method that has any."""
     several = isinstance(methods, (list, tuple))
     wanted: list[Any] = list(methods) if several else [methods]  # type: ignore[arg-type]
     if not wanted:
@@ -213,7 +215,10 @@ def _looks(
     for method in wanted:
         function = find_method(method)
         own = options.get(function.__name__, {})
-        looks += [Look(function, **chosen, **own, light=light) for light in lights]
+        lit = declaration(function).lights != "none"  # else all lights are one
+        looks += [
+            Look(function, **chosen, **own, light=light) for light in lights[: None if lit else 1]
+        ]
     known = {look.method for look in looks}
     for name in options:
         if name not in known:
@@ -246,13 +251,14 @@ def _common_unit(shapes: Sequence[Mesh | Volume]) -> str:
     return next(iter(units), "")
 
 
-def _columns(shapes: int, looks: int, lights: int) -> Sequence[int]:
+def _columns(shapes: int, looks: Sequence[Look], lights: int) -> Sequence[int]:
     """Return into how many columns groups may go: lights beside each other, methods below them."""
-    if lights > 1 and looks > lights:
+    count = len(looks)
+    if 1 < lights < count and all(look.declared.lights != "none" for look in looks):
         return [lights]
-    if shapes > 1 and looks > 1:
-        return [looks]
-    return range(1, shapes * looks + 1)
+    if shapes > 1 and count > 1:
+        return [count]
+    return range(1, shapes * count + 1)
 
 
 def _planned(

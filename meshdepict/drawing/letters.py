@@ -7,6 +7,8 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+from meshdepict.errors import printable
+
 __all__ = ["LEADING", "font", "wrapped"]
 
 LEADING = 1.35
@@ -28,9 +30,10 @@ def wrapped(text: str, width: float, size: int) -> list[str]:
     """
     measure = _wide(size).getlength
     lines = []
+    text = text.encode("utf-8", "replace").decode()  # a file's name need not be text
     for paragraph in text.splitlines():
         line = ""
-        for word in paragraph.split():
+        for word in map(printable, paragraph.split()):
             longer = f"{line} {word}".strip()
             if measure(longer) <= width:
                 line = longer

@@ -16,7 +16,7 @@ from meshdepict.drawing.framing import Framing, caption_lines, frame
 from meshdepict.drawing.letters import LEADING
 from meshdepict.drawing.page import Page, Part, Picture, Words, paint
 from meshdepict.drawing.picture_files import check_picture, write_page
-from meshdepict.drawing.scale_bar import bar_parts, scale_bar
+from meshdepict.drawing.scale_bar import BAR_SHARE, bar_parts
 from meshdepict.shapes.gbuffer import GBuffer
 
 if TYPE_CHECKING:
@@ -119,10 +119,10 @@ def laid_out(drawn: NDArray[np.uint8], framing: Framing, figure: Figure) -> Page
     above = height - framing.caption
     if figure.scale_bar:
         assert framing.pixels_per_unit is not None  # `frame` sees to that
-        bar = scale_bar(width / framing.pixels_per_unit, framing.unit)
         strip = framing.strip - framing.caption or min(3 * letters, above // 3)
         parts += bar_parts(
-            bar, framing.pixels_per_unit, left, above - strip // 2, letters, figure
+            BAR_SHARE * width / framing.pixels_per_unit, framing.unit, framing.pixels_per_unit,
+            left=left, middle=above - strip // 2, letters=letters, figure=figure,
         )  # fmt: skip
     lines = caption_lines(figure, width, letters)
     parts += caption_words(lines, left, above, letters, figure)

@@ -65,7 +65,8 @@ def write_page(page: Page, path: str | Path, facts: Mapping[str, str]) -> Path:
 
 def encoded(page: Page, suffix: str, facts: Mapping[str, str] | None = None) -> bytes:
     """Return what `write_page` writes into a file with a suffix."""
-    return PICTURES[suffix](page, [f"{MARK}{key}: {text}" for key, text in (facts or {}).items()])
+    lines = [f"{MARK}{key}: {text}" for key, text in (facts or {}).items()]
+    return PICTURES[suffix](page, [line.encode("utf-8", "replace").decode() for line in lines])
 
 
 def write_picture(

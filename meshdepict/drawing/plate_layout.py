@@ -12,7 +12,7 @@ from meshdepict.drawing.framing import caption_lines
 from meshdepict.drawing.letters import LEADING, wrapped
 from meshdepict.drawing.page import Part
 from meshdepict.drawing.picture import caption_words
-from meshdepict.drawing.scale_bar import bar_parts, scale_bar
+from meshdepict.drawing.scale_bar import bar_parts
 from meshdepict.errors import MeshdepictError
 from meshdepict.scene.view import View
 
@@ -119,12 +119,21 @@ def plan(
         )
     if per_unit > grid.pixels_per_unit * (1 + 1e-9):
         raise NoRoomError(grid.pixels_per_unit)
+    for group, caption in zip(groups, captions, strict=True):
+        side = per_unit * max(*group.widths.values(), *group.heights.values())
+        if side < _SMALL:
+            raise MeshdepictError(
+                f"{caption} would be {side:.2g} pixels large at the one scale of all: draw it on a "
+                "page of its own, or take a larger size"
+            )
     spots, parts = _placed(groups, grid, per_unit, (margin, margin), figure)
     below = size[1] - margin - foot_height
     if figure.scale_bar:
         longest = max(_BAR_SHARE * largest, _BAR_LEAST * letters / per_unit)
-        bar = scale_bar(longest, unit, share=1)
-        parts += bar_parts(bar, per_unit, margin, below - bar_height // 2, letters, figure)
+        parts += bar_parts(
+            longest, unit, per_unit, left=margin, middle=below - bar_height // 2, letters=letters,
+            figure=figure,
+        )  # fmt: skip
     parts += caption_words(foot, margin, below, letters, figure)
     return Plan(per_unit, tuple(spots), tuple(parts))
 

@@ -11,9 +11,10 @@ from meshdepict.drawing.page import Block, Part, Words
 if TYPE_CHECKING:
     from meshdepict.drawing.figure import Figure
 
-__all__ = ["ScaleBar", "bar_parts", "scale_bar"]
+__all__ = ["BAR_SHARE", "ScaleBar", "bar_parts", "scale_bar"]
 
-_SHARE = 0.3  # of the picture's width, at most
+BAR_SHARE = 0.3
+"""Of a picture's width, how long its bar is at most."""
 
 
 @dataclass(frozen=True)
@@ -25,7 +26,7 @@ class ScaleBar:
     label: str
 
 
-def scale_bar(extent: float, unit: str = "", *, share: float = _SHARE) -> ScaleBar:
+def scale_bar(extent: float, unit: str = "", *, share: float = BAR_SHARE) -> ScaleBar:
     """Choose the bar for a picture.
 
     Parameters
@@ -57,13 +58,23 @@ def scale_bar(extent: float, unit: str = "", *, share: float = _SHARE) -> ScaleB
 
 
 def bar_parts(
-    bar: ScaleBar, per_unit: float, left: int, middle: int, letters: int, figure: Figure
+    longest: float,
+    unit: str,
+    per_unit: float,
+    *,
+    left: int,
+    middle: int,
+    letters: int,
+    figure: Figure,
 ) -> list[Part]:
     """Return the blocks and the words of a scale bar, from edge to edge as long as it says.
 
     Parameters
     ----------
-    bar : ScaleBar
+    longest : float
+        What it may be long, in the file's units.
+    unit : str
+        Name of these units.
     per_unit : float
         Pixels of a unit.
     left, middle : int
@@ -73,6 +84,7 @@ def bar_parts(
     figure : Figure
         On whose ground it lies.
     """
+    bar = scale_bar(longest, unit, share=1)
     ink, fill = figure.inks
     thick, line = max(4, round(letters * 0.45)), max(1, round(letters / 14))
     length = bar.length * per_unit

@@ -18,6 +18,7 @@ __all__ = ["read_svg_lines", "svg_page"]
 _FONTS = "Helvetica, Arial, 'DejaVu Sans', sans-serif"
 _HALF = 0.36  # from the baseline to the middle of capital letters, in heights of letters
 _BEGINNING = 1 << 20  # bytes where the metadata are: before any picture
+_NO_CHARACTERS = re.compile("[\ufffe\uffff]")
 _LINES = re.compile(r'<metadata id="meshdepict">\n(.*?)\n</metadata>', re.DOTALL)
 
 
@@ -99,5 +100,5 @@ def _hex(color: Color) -> str:
 
 
 def _escaped(text: str) -> str:
-    """Return a text for XML, which has no control characters at all."""
-    return html.escape(printable(text))
+    """Return a text for XML, which has neither control characters nor what Unicode leaves out."""
+    return html.escape(_NO_CHARACTERS.sub("\N{REPLACEMENT CHARACTER}", printable(text)))

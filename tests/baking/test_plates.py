@@ -190,6 +190,22 @@ def test_columns_are_lights_where_both_are_several(egg):
     assert len({top for _, top in places}) == 2
 
 
+def test_a_method_without_a_light_is_drawn_once(egg):
+    plate = md.plate(
+        egg, ["mean_curvature", "lambert"], lights=["north", "east"], views="front", **SMALL
+    )
+    captions = [text for text in words(plate) if "unit" not in text]
+    assert captions == ["mean_curvature", "lambert, light north", "lambert, light east"]
+
+
+def test_what_would_be_a_speck_at_the_one_scale_is_refused(egg):
+    speck = md.Mesh(egg.vertices / 1000, egg.faces)
+    with pytest.raises(
+        MeshdepictError, match=r"speck: lambert, light northwest would be .* pixels"
+    ):
+        md.plate([egg, speck], "lambert", names=["egg", "speck"], **SMALL)
+
+
 # --- files ----------------------------------------------------------------------------------------
 
 

@@ -108,7 +108,7 @@ def test_a_clipped_volume_is_the_part_of_it(run, head):
         (["--surface", "200", "-o", "out.vti"], "-o out.vti: end the name with .ply"),
         (["--surface", "200", "--before", "b.png"], "leave one out"),
         (["--surface", "9000", "-o", "a.ply"], "a surface at 9000.0 can't be found"),
-        (["--picture", "a.jpg"], "end the name with .png"),
+        (["--picture", "a.tif"], "end the name with .png"),
         (["--slice", "z"], "--slice wants AXIS=SHARE"),
         (["--slice", "z=2"], "is not a share of the axis"),
         (["--clip", "z=1"], "--clip wants AXIS=FROM:TO"),

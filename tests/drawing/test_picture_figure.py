@@ -58,7 +58,7 @@ def test_a_size_is_in_pixels_or_on_paper(given, dpi, pixels, dots):
         ({"unit": 3}, "unit=3 is no length"),
         (
             {"background": "reddish"},
-            "none of transparent, paper, no name of a colour .* and no #rrggbb",
+            "none of transparent, white, paper, no name of a colour .* and no #rrggbb",
         ),
         ({"background": "ligthgray"}, "did you mean 'lightgray'"),
         ({"background": "rgb(1,2,3)"}, "no #rrggbb"),

@@ -14,7 +14,10 @@ from PIL import Image
 import meshdepict as md
 from meshdepict import MeshdepictError
 from meshdepict.baking.targets import check_target
+from meshdepict.drawing.figure import Figure
+from meshdepict.drawing.framing import caption_lines
 from meshdepict.drawing.page import Block, Page, Words, paint
+from meshdepict.drawing.picture import caption_words
 from meshdepict.drawing.picture_files import check_picture, read_picture_provenance, write_page
 from meshdepict.shapes import samples
 
@@ -281,6 +284,29 @@ def test_a_word_longer_than_a_line_is_cut(ball, tmp_path):
     lines = [each.text for each in root.iter(f"{SVG}text")]
     assert len(lines) > 1
     assert "".join(lines) == word
+
+
+ODD = (
+    "a \udcff b", "a\x00b\x1b[31m", "find \U0001f600 的", "\u202eabc שלום", "one\n\n two\r\nthree",
+    "x" * 900, "   ", "100 % {x} %s $ ^_ \\alpha &amp; ]]>", "e\u0301 ﬁ", "\ue000 \ufffe \uffff",
+)  # fmt: skip
+
+
+@pytest.mark.parametrize("suffix", SUFFIXES)
+@pytest.mark.parametrize("text", ODD)
+def test_any_text_can_be_a_caption_and_a_fact(tmp_path, suffix, text):
+    """Names of files are somebody else's words, and need not even be text."""
+    figure = Figure(size=(400, 300), caption=text)
+    words = caption_words(caption_lines(figure, 400, 12), 9, 9, 12, figure)
+    page = Page((400, 300), (255, 255, 255), tuple(words))
+    path = write_page(page, tmp_path / f"page{suffix}", {"light": text})
+    assert read_picture_provenance(path)[0].startswith("meshdepict light: ")
+    if suffix == ".svg":
+        texts = [each.text for each in ElementTree.parse(path).getroot().iter(f"{SVG}text")]
+        assert "".join(texts).isprintable() or "\ue000" in text or "\U0001f600" in text
+        assert len(texts) == len(words)
+    elif suffix == ".pdf":
+        pdf(path)
 
 
 def test_volumes_are_written_in_every_format(tmp_path):
