@@ -12,8 +12,7 @@ from numpy.typing import NDArray
 
 from meshdepict.baking.choices import Choices
 from meshdepict.baking.pixel_widths import measured
-from meshdepict.errors import MeshdepictError
-from meshdepict.scales.ladder import check_ladder, ladder
+from meshdepict.scales.ladder import check_ladder, checked_scale, ladder
 from meshdepict.scales.reads import Reads
 from meshdepict.shapes.gbuffer import GBuffer
 from meshdepict.shapes.lengths import resolve_width
@@ -43,6 +42,7 @@ _COLOR_BYTES = 40
 _SUM_BYTES = 400
 
 _MEAN_ERROR = 1e-3
+_AGAIN = 1.25  # first passes and, on scans, what is summed again with more accuracy
 
 
 class Step(NamedTuple):
@@ -101,8 +101,10 @@ class Plan:
 def plan(shape: Mesh | GBuffer | Volume, look: Choices) -> Plan:
     """Return what a bake of a shape computes.
 
-    Seconds are those of the costs by which sums choose their way, of a first pass, and right within
-    a factor of two or so; how many samples need a second one is not known before.
+    Seconds are those of the costs by which sums choose their way, and right within a factor of two
+    or so; how many samples will be summed again is not known before. Not in them is what compiled
+    kernels take to load, a tenth of a second each, and what a method does for itself, such as
+    accessibility's search.
 
     Parameters
     ----------
@@ -121,12 +123,8 @@ def plan(shape: Mesh | GBuffer | Volume, look: Choices) -> Plan:
     widths = ladder(scales, ratio, resolve_width(width, shape))
     last = len(widths) - 1
     reads = look.reads(last)
-    beyond = max((*reads.sets, *reads.means), default=0)
-    if beyond > last:
-        raise MeshdepictError(
-            f"scale={beyond!r} is not one of the scale space's, 0 to {last}; make more with "
-            "scales=…"
-        )
+    for scale in sorted(reads.sets, reverse=True):
+        checked_scale(scale, last)
     count, seconds, working = _of_kind(shape, look, widths)
     # Volumes are smoothed at each width by itself, and meshes by the paper's sum.
     climbs = shape.kind == "image" or (shape.kind == "mesh" and bool(look.facing))
@@ -181,7 +179,7 @@ def _of_kind(
 
         def of_mesh(scale: int) -> float:
             width = max(float(widths[scale]) / (shape.diagonal or 1.0), 1e-18)
-            return predicted_seconds(
+            return _AGAIN * predicted_seconds(
                 shape.unit_points, width, channels=channels, error=look.tolerance / 4
             )
 

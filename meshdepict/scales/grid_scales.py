@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from meshdepict.errors import MeshdepictError
 from meshdepict.scales.chosen_samples import ChosenSamples
 from meshdepict.scales.grid_smoothing import GridSmoothing
-from meshdepict.scales.ladder import TOLERANCE, Progress, reporter
+from meshdepict.scales.ladder import TOLERANCE, Progress, checked_scale, reporter
 from meshdepict.scales.space import Fill, ScaleSpace
 from meshdepict.voxels.grid_normals import (
     Scattered,
@@ -355,7 +355,9 @@ def piece_space(
     planes = np.empty((len(widths), 3, len(samples)), np.float32)
     planes[0] = own
     del own
-    wanted = set(range(len(widths)) if at_once is None else at_once) - {0}
+    last = len(widths) - 1
+    wanted = {checked_scale(s, last) for s in (range(last + 1) if at_once is None else at_once)}
+    wanted -= {0}
     for number, scale in enumerate(sorted(wanted) if len(samples) else (), 1):
         done = reporter(progress, number, len(wanted))
         smoothing.fill(float(widths[scale]), planes[scale], done)

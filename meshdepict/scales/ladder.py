@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from meshdepict.errors import MeshdepictError
 from meshdepict.options import real
 
-__all__ = ["FACING", "TOLERANCE", "Progress", "check_ladder", "ladder", "reporter"]
+__all__ = ["FACING", "TOLERANCE", "Progress", "check_ladder", "checked_scale", "ladder", "reporter"]
 
 FACING = 1
 TOLERANCE = 1e-4
@@ -45,6 +45,15 @@ def check_ladder(scales: int, ratio: float, facing: int, tolerance: float) -> No
         raise MeshdepictError(f"facing={facing!r} is neither 0 (the paper's sum) nor 1")
     if angle is None or not 1e-7 <= angle <= 0.1:
         raise MeshdepictError(f"tolerance={tolerance!r} is not an angle from 1e-7 to 0.1 radians")
+
+
+def checked_scale(scale: int, last: int) -> int:
+    """Return the number of a scale; refuse what is none of 0 to the last."""
+    if isinstance(scale, bool) or scale not in range(last + 1):
+        raise MeshdepictError(
+            f"scale={scale!r} is not one of the scale space's, 0 to {last}; make more with scales=…"
+        )
+    return int(scale)
 
 
 def reporter(progress: Progress | None, scale: int, scales: int) -> Callable[[float], None] | None:

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshdepict.errors import MeshdepictError
-from meshdepict.scales.ladder import FACING, TOLERANCE, Progress, reporter
+from meshdepict.scales.ladder import FACING, TOLERANCE, Progress, checked_scale, reporter
 from meshdepict.shapes.table import html_table
 
 if TYPE_CHECKING:
@@ -245,13 +245,7 @@ class ScaleSpace:
         return seen
 
     def _checked_scale(self, scale: int) -> int:
-        last = self.last
-        if isinstance(scale, bool) or scale not in range(last + 1):
-            raise MeshdepictError(
-                f"scale={scale!r} is not one of the scale space's, 0 to {last}; make more with "
-                "scales=…"
-            )
-        return int(scale)
+        return checked_scale(scale, self.last)
 
     def occlusion(self, rays: int = 256) -> NDArray[np.float32]:
         """Return the share of the light from all around that reaches each sample; computed once.

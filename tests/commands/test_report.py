@@ -181,3 +181,50 @@ def test_info_of_real_scans(run, data):
         "1,489 duplicate faces",
         "2,534 non-manifold edges",
     ]
+
+
+def test_info_explains_what_a_method_computes(run, ball_ply):
+    status, out, err = run("info", "ball.ply", "--explain", "normal_enhancement")
+    assert (status, err) == (0, [])
+    assert out[0] == "normal_enhancement of ball.ply"
+    assert out[1].split() == ["seconds", "of", "a", "core", "memory"]
+    normals = [line for line in out if line.startswith("  normals")]
+    assert len(normals) == 5
+    assert [line.count("on the way") for line in normals] == [1, 1, 1, 1, 0]
+    assert f"{ball_ply.edge_length:.4g}" in normals[0]
+    assert any(line.startswith("  together") for line in out)
+    assert not any("left out" in line for line in out)
+
+
+def test_info_explains_what_is_left_out(run, ball_ply):
+    _, out, _ = run("info", "ball.ply", "--explain", "unsharp_masking")
+    assert not any(line.startswith("  normals") for line in out)
+    assert sum(line.startswith("  mean") for line in out) == 1
+    assert out[-1] == "  left out: normals of scales 1, 2, 3, 4, 5, which nobody reads"
+    words = ("light_alignment", "--set", "strength=.5,.5,0", "--scales", 3)
+    _, out, _ = run("info", "ball.ply", "--explain", *words)
+    assert out[-1] == "  left out: normals of scale 3, which nobody reads"
+
+
+def test_info_explains_a_volume(run, folder):
+    np.save("ct.npy", samples.ct_phantom((8, 9, 10)).values)
+    status, out, _ = run("info", "ct.npy", "--explain", "light_warping", "--transfer", "bone")
+    assert status == 0
+    assert any("720 voxels" in line for line in out)
+    assert sum(line.startswith("  normals") for line in out) == 1
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["--explain", "lambrt"], "no method is called 'lambrt'; did you mean 'lambert'?"),
+        (["--explain", "exaggerated", "--set", "exageration=3"], "exaggerated has no option"),
+        (["--explain", "light_warping", "--set", "scale=3"], "scale=3 is not one of the scale"),
+        (["--scales", "3"], "--scales is about a bake: say which method to explain, --explain"),
+        (["--set", "amount=3"], "--set is about a bake: say which method to explain, --explain"),
+    ],
+)
+def test_info_refuses_what_it_can_t_explain(run, ball_ply, words, message):
+    status, out, (line,) = run("info", "ball.ply", *words)
+    assert (status, out) == (2, [])
+    assert message in line

@@ -75,6 +75,29 @@ def test_all_methods_share_one_scale_space(ball, monkeypatch):
     assert calls[-1] == 1
 
 
+@pytest.mark.parametrize("per_pixel", [False, True])
+def test_only_those_widths_are_smoothed_that_one_of_the_methods_reads(ball, monkeypatch, per_pixel):
+    spaces = []
+
+    def kept(*given, **more):
+        spaces.append(scale_space(*given, **more))
+        return spaces[-1]
+
+    monkeypatch.setattr(comparison, "scale_space", kept)
+    for methods, options, widths in (
+        (["lambert", "unsharp_masking"], {}, 0),
+        (["lambert", "light_warping", "radiance_scaling"], {}, 1),
+        (["light_warping"], {"light_warping": {"scale": 2}}, 2),
+        (["light_alignment", "lambert"], {"light_alignment": {"strength": 0}}, 0),
+        (["light_alignment"], {"light_alignment": {"strength": (0.4, 0.4, 0, 0, 0, 0)}}, 2),
+        (["normal_enhancement", "light_warping"], {}, 6),
+    ):
+        compare(
+            ball, methods, options=options, lights=["north"], size=(40, 40), per_pixel=per_pixel
+        )
+        assert spaces.pop().smoothed == set(range(widths + 1))
+
+
 def test_without_lights_the_papers_21_are_used(ball):
     found = compare(ball, ["lambert"], size=(60, 60), scales=0)
     assert [light.name for light in found.lights] == [f"#{i}" for i in range(1, 22)]

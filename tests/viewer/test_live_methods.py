@@ -174,6 +174,27 @@ def test_new_options_views_and_colour_maps_are_those_of_a_new_bake(space):
     assert difference(drawn(live, baked.view), portrait(baked)).max() <= 2
 
 
+@pytest.mark.parametrize(
+    ("method", "nothing", "something"),
+    [
+        ("exaggerated", {"contrast": 0.0}, {"contrast": 1.0, "exaggeration": 20.0}),
+        ("light_alignment", {"strength": 0.0}, {"strength": 0.7}),
+        ("light_alignment", {"strength": 0.0}, {"strength": (0.0, 0.5, 0.0, 0.0, 0.8)}),
+        ("light_warping", {"magnitude": 0.0}, {"magnitude": 5.0}),
+        ("light_warping", {"gain": 0.0}, {"gain": 1.0}),
+        ("radiance_scaling", {"magnitude": 0.0}, {"magnitude": 5.0}),
+    ],
+)
+def test_what_has_no_weight_is_not_read_until_it_has_one(ball, method, nothing, something):
+    space = md.scale_space(ball, scales=5, ratio=1.7, at_once=())
+    live = LiveShading(space, method, options=nothing, light="northwest", view="front")
+    assert space.smoothed == {0}
+    for options in (nothing, something, nothing):
+        live.set_options(**options)
+        expected = portrait(md.bake(space, method, light="northwest", **options))
+        assert difference(drawn(live), expected).max() <= 2
+
+
 @pytest.mark.parametrize("method", live_methods())
 def test_degenerate_and_duplicate_geometry_far_from_the_origin(method):
     ball = samples.golf_ball(1_000, dimples=32)

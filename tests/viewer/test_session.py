@@ -178,3 +178,38 @@ def test_what_was_chosen_can_be_chosen_again(session):
 
 def test_colours_at_other_samples_are_those_of_the_whole(session):
     np.testing.assert_array_equal(session.colors_at(session.space), session.colors)
+
+
+def test_a_changed_option_computes_what_is_missing_with_its_progress(ball):
+    told = []
+    session = Session(
+        ball, "light_alignment", strength=0, progress=lambda done, total: told.append((done, total))
+    )
+    assert session.colors.shape == (len(ball.vertices), 3)
+    assert not told
+    session.set(strength=(0.5, 0.5, 0, 0, 0))
+    np.testing.assert_array_equal(
+        session.colors, bake(ball, "light_alignment", strength=(0.5, 0.5, 0, 0, 0)).colors
+    )
+    assert told[-1] == (2, 2)
+    told.clear()
+    session.set(strength=0)
+    session.set(strength=(0, 0.5, 0, 0, 0))  # of what is there
+    assert session.colors is session.colors
+    assert not told
+    session.set(strength=0.4)
+    np.testing.assert_array_equal(
+        session.colors, bake(ball, "light_alignment", strength=0.4).colors
+    )
+    assert told[-1] == (3, 3)
+
+
+def test_a_stopped_session_goes_on_with_what_it_was_asked_for(ball):
+    def stop(done, total):
+        raise KeyboardInterrupt
+
+    session = Session(ball, "exaggerated", progress=stop)
+    with pytest.raises(KeyboardInterrupt):
+        session.baked()
+    session.progress = None
+    np.testing.assert_array_equal(session.colors, bake(ball, "exaggerated").colors)
