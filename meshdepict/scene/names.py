@@ -14,7 +14,10 @@ from meshdepict.scene.light import Light, Lights
 from meshdepict.scene.vectors import Vector, numbers_of
 from meshdepict.scene.view import View
 
-__all__ = ["LIGHTS", "as_light", "as_lighting", "as_lights", "as_view", "is_several", "parted"]
+__all__ = [
+    "LIGHTS", "as_light", "as_lighting", "as_lights", "as_view",
+    "has_environment", "is_several", "parted",
+]  # fmt: skip
 
 # Azimuths clockwise from up. The elevation makes northwest (−1, 1, 1)/√3 in the view's frame.
 _COMPASS = {
@@ -91,6 +94,13 @@ def as_lights(light: Any, view: View | None = None, *, count: int = 54) -> list[
     if not lights:
         raise MeshdepictError("an empty sequence of lights leaves everything black; give one light")
     return lights
+
+
+def has_environment(light: Any) -> bool:
+    """Whether this is an Environment, or several lights with one among them."""
+    if isinstance(light, Environment):
+        return True
+    return is_several(light) and any(has_environment(item) for item in light)
 
 
 def parted(light: Any, view: View | None = None) -> tuple[list[Light], list[Environment]]:
