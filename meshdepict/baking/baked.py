@@ -216,6 +216,18 @@ class Baked(Depiction):
 
         return edge_error(self.space, self._shade, linear=self.look.declared.linear)
 
+    @functools.cached_property
+    def light_error(self) -> float | None:
+        """Grey levels (rms) that sampling an environment leaves; measured when asked for.
+
+        None where no environment is sampled, and of what isn't shaded sample by sample.
+        """
+        if self.space is None or self._shade is None or self.look is None:
+            return None
+        from meshdepict.baking.light_error import light_error
+
+        return light_error(self.space, self.look, self.view)
+
     def __repr__(self) -> str:
         """Return method and size."""
         return f"<Baked: {self.provenance['method']} on {len(self.colors):,} samples>"

@@ -17,7 +17,7 @@ __all__ = ["WIDEST", "Blurs", "blurred", "levels", "rows_of", "source_rows", "wi
 Floats = NDArray[Any]
 
 WIDEST = 1.6  # radians
-_TEXELS = 4.5  # of a copy are π widths: one is 0.7 of the width
+_TEXELS = 9.0  # of a copy are π widths: one is 0.35 of the width, and the nearest will do
 _SOURCE = 0.2  # of a width is the most that a pixel of what is blurred measures
 _REACH = 5.0  # widths: e^−12 of the middle
 
@@ -29,7 +29,7 @@ class Blurs(NamedTuple):
     ----------
     texels : (n, 3) array of float32
         Radiance of all copies, row by row.
-    starts, rows, columns : (k,) arrays
+    starts, rows, columns : (k,) arrays of int32
         Where each begins in them, and its size. Copy j is blurred by `width_of(j)`, but for the
         last if `sharp`.
     sharp : bool

@@ -244,12 +244,14 @@ class Environment:
         sharp = count == self._levels and finest < width_of(count - 1)
         if (count, sharp) not in self._blurs:
             copies = [self._copy(level) for level in range(count)] + [self.pixels] * sharp
+            # Pixels are left to samples much closer than they are: the nearest is looked up.
+            order = [*range(count), *[count - 1] * 3 * sharp, *[count] * sharp]
             sizes = np.array([copy.shape[:2] for copy in copies])
             ends = np.cumsum(sizes.prod(axis=1))
             texels = np.concatenate([copy.reshape(-1, 3) for copy in copies])
-            self._blurs[count, sharp] = Blurs(
-                texels, np.append(0, ends[:-1]), sizes[:, 0].copy(), sizes[:, 1].copy(), sharp
-            )
+            starts = np.append(0, ends[:-1])[order].astype(np.int32)
+            rows, columns = sizes[order].astype(np.int32).T.copy()
+            self._blurs[count, sharp] = Blurs(texels, starts, rows, columns, sharp)
         return self._blurs[count, sharp]
 
     @cached_property

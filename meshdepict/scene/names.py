@@ -20,7 +20,7 @@ from meshdepict.scene.view import View
 
 __all__ = [
     "LIGHTS", "LightLike", "Lighting", "LightsLike", "as_light", "as_lighting", "as_lights",
-    "as_view", "is_several", "light_angles", "parted",
+    "as_view", "has_environment", "is_several", "light_angles", "parted",
 ]  # fmt: skip
 
 LightLike: TypeAlias = str | ArrayLike | Light
@@ -128,6 +128,13 @@ def as_lights(light: LightsLike, view: View | None = None, *, count: int = 54) -
     if not lights:
         raise MeshdepictError("an empty sequence of lights leaves everything black; give one light")
     return lights
+
+
+def has_environment(light: Any) -> bool:
+    """Whether this is an Environment, or several lights with one among them."""
+    if isinstance(light, Environment):
+        return True
+    return is_several(light) and any(has_environment(item) for item in light)
 
 
 def parted(light: LightsLike, view: View | None = None) -> tuple[list[Light], list[Environment]]:

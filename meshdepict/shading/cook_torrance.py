@@ -13,7 +13,7 @@ from meshdepict.scene.material import CookTorrance
 from meshdepict.scene.names import LightsLike, parted
 from meshdepict.scene.view import View
 from meshdepict.shading.direct import direct
-from meshdepict.shading.features import eyes, sight
+from meshdepict.shading.features import LightCount, eyes, sight
 from meshdepict.shading.method import Exposure, exposed, method
 
 __all__ = ["cook_torrance"]
@@ -32,6 +32,7 @@ def cook_torrance(
     diffuse: Annotated[float, Range(0, 1, help="albedo of the base")] = 0.6,
     reflectance: Annotated[float, Range(0, 1, help="of the facets, seen head-on")] = 0.2,
     roughness: Annotated[float, Range(0.02, 1, help="slope m of the facets")] = 0.3,
+    lights: LightCount = 54,
     exposure: Exposure = 1.0,
 ) -> NDArray[np.float32]:
     """Shade by Beckmann's microfacets over a diffuse base: highlights of rough metal or glaze.
@@ -45,6 +46,8 @@ def cook_torrance(
     """
     eye = sight(view, space, fitted=False)
     material = CookTorrance(diffuse, reflectance, roughness)
-    lights, environments = parted(light, eye)
-    shaded = direct(space, lights, eyes(space, eye), material, environments=environments)
+    lamps, environments = parted(light, eye)
+    shaded = direct(
+        space, lamps, eyes(space, eye), material, environments=environments, count=lights
+    )
     return exposed(shaded, exposure)

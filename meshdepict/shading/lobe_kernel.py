@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from meshdepict.shading.alignment_kernel import arc_tangent, exactly_rotated, rotated
-from meshdepict.shading.material_kernel import FAINT, specular
+from meshdepict.shading.material_kernel import FAINT, specular, specular_of_halves
 from meshdepict.shading.scaling_kernel import MOST_EXPONENT, factors
 from meshdepict.shading.warping_kernel import stretch, turned
 from meshdepict.threads import kernel
@@ -17,35 +17,135 @@ __all__ = ["sum_lobes"]
 _ZERO, _HALF, _ONE, _TWO = np.float32(0), np.float32(0.5), np.float32(1), np.float32(2)
 _TINY = np.float32(1e-30)
 _PI = np.float32(math.pi)
-_MOST_PARTS = 8
+_MOST_PARTS = 2
 
 
-@kernel("reordered", inline=True)
-def _pixel(texels, start, rows, columns, x, y, z):  # type: ignore[no-untyped-def]
-    """Return the four pixels round a direction of the picture's frame, and the shares between."""
-    azimuth = arc_tangent(abs(x), abs(z))  # from −z or z, whichever is nearer
-    azimuth = azimuth if z <= _ZERO else _PI - azimuth
-    azimuth = azimuth if x >= _ZERO else -azimuth
-    polar = arc_tangent(math.sqrt(x * x + z * z), abs(y))
-    polar = polar if y >= _ZERO else _PI - polar
-    column = (azimuth / _PI * _HALF + _HALF) * columns - _HALF
-    row = polar / _PI * rows - _HALF
-    c0, r0 = math.floor(column), math.floor(row)
-    right, lower = np.float32(column - c0), np.float32(row - r0)
-    c1 = c0 + 1
-    c0 = c0 if c0 >= 0 else columns - 1
-    c1 = c1 if c1 < columns else 0
-    upper = start + max(r0, 0) * columns
-    under = start + min(r0 + 1, rows - 1) * columns
-    return upper + c0, upper + c1, under + c0, under + c1, right, lower
+@kernel("reordered")
+def _about(cosines, solids, turns, a, b, c, x, y, z, weight):  # type: ignore[no-untyped-def]
+    """Write samples about an axis a, and the solid angles they stand for."""
+    for k in range(len(cosines)):
+        up = cosines[k]
+        level = math.sqrt(max(_ONE - up * up, _ZERO))
+        p, q = level * turns[0, k], level * turns[1, k]
+        x[k] = p * b[0] + q * c[0] + up * a[0]
+        y[k] = p * b[1] + q * c[1] + up * a[1]
+        z[k] = p * b[2] + q * c[2] + up * a[2]
+        weight[k] = solids[k]
+
+
+@kernel("reordered")
+def _mirrored(ex, ey, ez, ne, nh, x, y, z, weight, seen, cosine):  # type: ignore[no-untyped-def]
+    """Turn half vectors into directions, and their solid angles with them; write e·h and n·l."""
+    for k in range(len(x)):
+        under = max(ex * x[k] + ey * y[k] + ez * z[k], _ZERO)
+        twice = _TWO * under
+        x[k], y[k], z[k] = twice * x[k] - ex, twice * y[k] - ey, twice * z[k] - ez
+        weight[k] *= np.float32(4) * under
+        seen[k] = under
+        cosine[k] = twice * nh[k] - ne
+
+
+@kernel("reordered")
+def _aligned(g, m, strength, fade, exact, x, y, z):  # type: ignore[no-untyped-def]
+    """Align samples with a guide g over a base m."""
+    if exact:
+        for k in range(len(x)):
+            x[k], y[k], z[k] = exactly_rotated(
+                g[0], g[1], g[2], m[0], m[1], m[2], strength, fade,
+                np.float64(x[k]), np.float64(y[k]), np.float64(z[k]),
+            )  # fmt: skip
+        return
+    g0, g1, g2, m0, m1, m2 = g[0], g[1], g[2], m[0], m[1], m[2]
+    for k in range(len(x)):
+        x[k], y[k], z[k] = rotated(g0, g1, g2, m0, m1, m2, strength, fade, x[k], y[k], z[k])
+
+
+@kernel("reordered")
+def _parted(ex, ey, ez, nx, ny, nz, count, seen, x, y, z, solid, value):  # type: ignore[no-untyped-def]
+    """Part what is seen at grazing angles; return how many there are then.
+
+    There a round cell of half vectors is a long one of directions, 1 by e·h: as many places along
+    it are looked up as make each of them round.
+    """
+    more = count
+    for k in range(count):
+        if seen[k] > _HALF:
+            continue
+        parts = min(int(_ONE / max(seen[k], _TINY)), _MOST_PARTS)
+        lx, ly, lz = x[k], y[k], z[k]
+        back = ex * lx + ey * ly + ez * lz
+        dx, dy, dz = ex - back * lx, ey - back * ly, ez - back * lz
+        reach = math.sqrt(solid[k] / max(seen[k] * (_ONE - back * back), _TINY)) / parts
+        dx, dy, dz = dx * reach, dy * reach, dz * reach
+        share, own = value[k] / parts, solid[k] / parts
+        for part in range(parts):
+            shift = np.float32(part) - _HALF * np.float32(parts - 1)
+            px, py, pz = lx + shift * dx, ly + shift * dy, lz + shift * dz
+            size = _ONE / math.sqrt(px * px + py * py + pz * pz)
+            px, py, pz = px * size, py * size, pz * size
+            to = k if part == 0 else more
+            more += part > 0
+            x[to], y[to], z[to], solid[to] = px, py, pz, own
+            value[to] = share if nx * px + ny * py + nz * pz > _ZERO else _ZERO
+    return more
+
+
+@kernel("reordered")
+def _warped(scale_u, scale_v, nx, ny, nz, x, y, z, solid, value):  # type: ignore[no-untyped-def]
+    """Warp directions; nothing counts unless both lie in the hemisphere of n (eq. 1)."""
+    for k in range(len(x)):
+        before = nx * x[k] + ny * y[k] + nz * z[k]
+        far = (x[k] * x[k] + y[k] * y[k]) / (_ONE - min(z[k], _ZERO))
+        q = far if z[k] < _ZERO else _ONE + z[k]
+        p, r = scale_u * x[k], scale_v * y[k]
+        t = _TWO * q / max(q * q + p * p + r * r, _TINY)
+        x[k], y[k], z[k] = t * p, t * r, t * q - _ONE
+        both = min(before, nx * x[k] + ny * y[k] + nz * z[k]) > _ZERO
+        value[k] = value[k] if both else _ZERO
+        solid[k] *= t * t * scale_u * scale_v
+
+
+@kernel("reordered")
+def _places(to_picture, x, y, z, solid, widest, starts, rows, columns, ratio, bits, place):  # type: ignore[no-untyped-def]
+    """Write which texel of which copy each direction is to be looked up at."""
+    _on_picture(to_picture, x, y, z)
+    for k in range(len(x)):
+        ratio[k] = widest / max(solid[k], _TINY)
+    finest = np.int32(len(starts) - 1)
+    for k in range(len(x)):
+        # A float's exponent is the logarithm of its square: a level for every factor of 2.
+        level = min(max((bits[k] >> np.int32(23)) - np.int32(127), np.int32(0)), finest)
+        wide, high = columns[level], rows[level]
+        column, row = np.int32(x[k] * np.float32(wide)), np.int32(y[k] * np.float32(high))
+        column, row = min(column, wide - np.int32(1)), min(row, high - np.int32(1))
+        place[k] = starts[level] + row * wide + column
+
+
+@kernel("reordered")
+def _on_picture(to_picture, x, y, z):  # type: ignore[no-untyped-def]
+    """Turn x and y of directions into shares of a picture's width and height."""
+    t00, t01, t02 = to_picture[0, 0], to_picture[0, 1], to_picture[0, 2]
+    t10, t11, t12 = to_picture[1, 0], to_picture[1, 1], to_picture[1, 2]
+    t20, t21, t22 = to_picture[2, 0], to_picture[2, 1], to_picture[2, 2]
+    for k in range(len(x)):
+        px = t00 * x[k] + t01 * y[k] + t02 * z[k]
+        py = t10 * x[k] + t11 * y[k] + t12 * z[k]
+        pz = t20 * x[k] + t21 * y[k] + t22 * z[k]
+        azimuth = arc_tangent(abs(px), abs(pz))  # from −z or z, whichever is nearer
+        azimuth = azimuth if pz <= _ZERO else _PI - azimuth
+        azimuth = azimuth if px >= _ZERO else -azimuth
+        polar = arc_tangent(math.sqrt(px * px + pz * pz), abs(py))
+        polar = polar if py >= _ZERO else _PI - polar
+        x[k], y[k] = azimuth / _PI * _HALF + _HALF, polar / _PI
 
 
 @kernel("reordered")
 def sum_lobes(  # type: ignore[no-untyped-def]
     planes, eyes, kind, parameters, halves, ku, kv, u, v, z, numbers, strengths, fade, exact,
-    cosines, solids, turns, texels, starts, rows, columns, upright, widest, out, begin, end,
+    cosines, solids, turns, lobe, texels, starts, rows, columns, upright, widest, between, out,
+    begin, end,
 ):  # fmt: skip
-    """Add Σ_k ρ_s scaling L(A⁻¹(W(l_k))) dl_k / π to `out` (n, 3), k running over the samples.
+    """Write Σ_k ρ_s scaling L dl_k / π into `out` (n, 3), k running over the samples.
 
     Parameters
     ----------
@@ -59,6 +159,8 @@ def sum_lobes(  # type: ignore[no-untyped-def]
         From the world to the picture.
     widest : float
         Variance of the widest blur over a sample's solid angle times what the blur is to be of it.
+    between : (2,) array
+        Only points whose cosine to the eye lies here are dealt with.
     """
     bins, count = cosines.shape
     warping, anisotropy = numbers[0], numbers[4]
@@ -66,9 +168,14 @@ def sum_lobes(  # type: ignore[no-untyped-def]
     framed = curved and (warping != _ZERO or anisotropy != _ZERO)
     scaled = curved and numbers[2] != _ZERO
     aligned = len(strengths) > 0
-    finest = len(starts) - 1
-    local, arriving = np.empty((3, count), np.float32), np.empty((3, count), np.float32)
+    local = np.empty((3, count), np.float32)
+    most = count * (_MOST_PARTS if halves else 1)
+    arriving, solid = np.empty((3, most), np.float32), np.empty(most, np.float32)
+    value, ratio = np.empty(most, np.float32), np.empty(most, np.float32)
+    bits, place = ratio.view(np.int32), np.empty(most, np.int32)
+    axis, side, other = np.empty(3, np.float32), np.empty(3, np.float32), np.empty(3, np.float32)
     cosine, weight = np.empty(count, np.float32), np.empty(count, np.float32)
+    seen = np.ones(count, np.float32)
     term, delta = np.empty(count, np.float32), np.empty(count, np.float32)
     factor = np.ones(count, np.float32)
     turn, to_picture = np.empty((3, 3), np.float32), upright.copy()
@@ -94,10 +201,12 @@ def sum_lobes(  # type: ignore[no-untyped-def]
         away = min(nx * ex + ny * ey + nz * ez, _ZERO) * _TWO
         ex, ey, ez = ex - away * nx, ey - away * ny, ez - away * nz
         ne = nx * ex + ny * ey + nz * ez
+        if ne < between[0] or ne >= between[1]:
+            continue
         if scaled:
             mean = ku[i] + kv[i]
             slant = anisotropy * (ku[i] - kv[i])
-            convexity = np.float32(-math.tanh(mean))
+            convexity = -math.tanh(mean)
             row = int((convexity * _HALF + _HALF) * (bins - 1) + _HALF)
         # The lobe's frame: its axis, and across it the plane of sight.
         if halves:
@@ -109,109 +218,64 @@ def sum_lobes(  # type: ignore[no-untyped-def]
         bx, by, bz = bx - along * ax, by - along * ay, bz - along * az
         if bx * bx + by * by + bz * bz < np.float32(1e-10):  # seen head-on: any will do
             bx, by, bz = (_ZERO, -az, ay) if abs(ax) < _HALF else (az, _ZERO, -ax)
-        size = _ONE / math.sqrt(max(bx * bx + by * by + bz * bz, _TINY))
+        size = np.float32(_ONE / math.sqrt(max(bx * bx + by * by + bz * bz, _TINY)))
         bx, by, bz = bx * size, by * size, bz * size
-        cx, cy, cz = ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx
-        for k in range(count):
-            c = cosines[row, k]
-            s = math.sqrt(max(_ONE - c * c, _ZERO))
-            p, q = s * turns[0, k], s * turns[1, k]
-            x = p * bx + q * cx + c * ax
-            y = p * by + q * cy + c * ay
-            w = p * bz + q * cz + c * az
-            solid = solids[row, k]
-            if halves:
-                seen = max(ex * x + ey * y + ez * w, _ZERO)
-                x, y, w = _TWO * seen * x - ex, _TWO * seen * y - ey, _TWO * seen * w - ez
-                solid *= np.float32(4) * seen  # of the direction over that of the half vector
-            local[0, k], local[1, k], local[2, k] = x, y, w
-            arriving[0, k], arriving[1, k], arriving[2, k] = x, y, w
-            weight[k] = solid
+        axis[0], axis[1], axis[2] = ax, ay, az
+        side[0], side[1], side[2] = bx, by, bz
+        other[0], other[1], other[2] = ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx
+        _about(
+            cosines[row], solids[row], turns, axis, side, other, local[0], local[1], local[2],
+            weight,
+        )  # fmt: skip
+        if halves:
+            _mirrored(
+                ex, ey, ez, ne, cosines[row], local[0], local[1], local[2], weight, seen, cosine
+            )
+        if aligned:
+            arriving[:, :count] = local
         for scale in range(len(strengths) - 1, -1, -1):
-            if strengths[scale] <= 0:
-                continue
-            # The mirrored lines of sight of two scales: guide and base.
-            n0, n1, n2 = planes[scale, 0, i], planes[scale, 1, i], planes[scale, 2, i]
-            m0, m1, m2 = planes[scale + 1, 0, i], planes[scale + 1, 1, i], planes[scale + 1, 2, i]
-            d = _TWO * (n0 * ex + n1 * ey + n2 * ez)
-            g0, g1, g2 = d * n0 - ex, d * n1 - ey, d * n2 - ez
-            d = _TWO * (m0 * ex + m1 * ey + m2 * ez)
-            m0, m1, m2 = d * m0 - ex, d * m1 - ey, d * m2 - ez
-            if exact:
-                for k in range(count):
-                    local[0, k], local[1, k], local[2, k] = exactly_rotated(
-                        g0, g1, g2, m0, m1, m2, strengths[scale], fade,
-                        np.float64(local[0, k]), np.float64(local[1, k]), np.float64(local[2, k]),
-                    )  # fmt: skip
-            else:
-                for k in range(count):
-                    local[0, k], local[1, k], local[2, k] = rotated(
-                        g0, g1, g2, m0, m1, m2, strengths[scale], fade,
-                        local[0, k], local[1, k], local[2, k],
-                    )  # fmt: skip
-        for k in range(count):
-            cosine[k] = nx * local[0, k] + ny * local[1, k] + nz * local[2, k]
-        specular(kind, parameters, faint, local, cosine, nx, ny, nz, ex, ey, ez, ne, term, delta)
+            if strengths[scale] > 0:
+                # The mirrored lines of sight of two scales: guide and base.
+                for guide, at in ((axis, scale), (side, scale + 1)):
+                    n0, n1, n2 = planes[at, 0, i], planes[at, 1, i], planes[at, 2, i]
+                    d = _TWO * (n0 * ex + n1 * ey + n2 * ez)
+                    guide[0], guide[1], guide[2] = d * n0 - ex, d * n1 - ey, d * n2 - ez
+                _aligned(axis, side, strengths[scale], fade, exact, local[0], local[1], local[2])
+        if halves:
+            specular_of_halves(kind, parameters, lobe[row], cosines[row], seen, cosine, ne, term)
+            delta[:] = cosines[row]
+        else:
+            for k in range(count):
+                cosine[k] = nx * local[0, k] + ny * local[1, k] + nz * local[2, k]
+            specular(
+                kind, parameters, faint, local, cosine, nx, ny, nz, ex, ey, ez, ne, term, delta
+            )
         if scaled:
             factors(numbers[2], numbers[3], convexity, mean, slant, local, term, delta, factor)
-        red, green, blue = _ZERO, _ZERO, _ZERO
+        # What counts moves to the front.
+        met = 0
         for k in range(count):
-            value = term[k] * factor[k] * weight[k]
-            if value <= _ZERO or (aligned and cosine[k] <= _ZERO):
-                continue
-            lx, ly, lz = arriving[0, k], arriving[1, k], arriving[2, k]
-            solid, parts, step = weight[k], 1, _ZERO
-            dx, dy, dz = _ZERO, _ZERO, _ZERO
-            if halves:
-                # Seen at grazing angles a round cell of half vectors is a long one of directions,
-                # 1 by e·h: as many places along it are looked up as make each of them round.
-                hx, hy, hz = lx + ex, ly + ey, lz + ez
-                seen = _HALF * math.sqrt(hx * hx + hy * hy + hz * hz)
-                parts = min(int(_ONE / max(seen, _TINY) + _HALF), _MOST_PARTS)
-                if parts > 1:
-                    step = np.float32(math.sqrt(solid / max(seen, _TINY)) / parts)
-                    back = hx * lx + hy * ly + hz * lz
-                    dx, dy, dz = hx - back * lx, hy - back * ly, hz - back * lz
-                    size = step / math.sqrt(max(dx * dx + dy * dy + dz * dz, _TINY))
-                    dx, dy, dz = dx * size, dy * size, dz * size
-                    solid, value = solid / parts, value / parts
-            for part in range(parts):
-                shift = np.float32(part) - _HALF * np.float32(parts - 1)
-                x, y, w = lx + shift * dx, ly + shift * dy, lz + shift * dz
-                if parts > 1:
-                    size = _ONE / math.sqrt(x * x + y * y + w * w)
-                    x, y, w = x * size, y * size, w * size
-                    if nx * x + ny * y + nz * w <= _ZERO:
-                        continue
-                own = solid
-                if warping != _ZERO:
-                    # W(l); nothing unless both lie in the hemisphere of n, as eq. 1 is settled.
-                    far = (x * x + y * y) / (_ONE - min(w, _ZERO))
-                    q = far if w < _ZERO else _ONE + w
-                    p, r = scale_u * x, scale_v * y
-                    t = _TWO * q / max(q * q + p * p + r * r, _TINY)
-                    x, y, w = t * p, t * r, t * q - _ONE
-                    if min(cosine[k], nx * x + ny * y + nz * w) <= _ZERO:
-                        continue
-                    own *= t * t * scale_u * scale_v
-                level = int(math.log2(max(widest / max(own, _TINY), _ONE)) + _HALF)
-                level = min(level, finest)
-                x, y, w = turned(to_picture, x, y, w)
-                a, b, c, d, right, lower = _pixel(
-                    texels, starts[level], rows[level], columns[level], x, y, w
-                )
-                one, two = (_ONE - lower) * (_ONE - right), (_ONE - lower) * right
-                three, four = lower * (_ONE - right), lower * right
-                red += value * (
-                    one * texels[a, 0] + two * texels[b, 0]
-                    + three * texels[c, 0] + four * texels[d, 0]
-                )  # fmt: skip
-                green += value * (
-                    one * texels[a, 1] + two * texels[b, 1]
-                    + three * texels[c, 1] + four * texels[d, 1]
-                )  # fmt: skip
-                blue += value * (
-                    one * texels[a, 2] + two * texels[b, 2]
-                    + three * texels[c, 2] + four * texels[d, 2]
-                )  # fmt: skip
+            shown = term[k] * factor[k] * weight[k]
+            if shown > _ZERO and not (aligned and cosine[k] <= _ZERO):
+                of = arriving if aligned else local
+                x, y, w = of[0, k], of[1, k], of[2, k]
+                arriving[0, met], arriving[1, met], arriving[2, met] = x, y, w
+                solid[met], value[met] = weight[k], shown
+                seen[met] = seen[k]
+                met += 1
+        if halves:
+            met = _parted(
+                ex, ey, ez, nx, ny, nz, met, seen, arriving[0], arriving[1], arriving[2], solid,
+                value,
+            )  # fmt: skip
+        lx, ly, lz = arriving[0, :met], arriving[1, :met], arriving[2, :met]
+        if warping != _ZERO:
+            _warped(scale_u, scale_v, nx, ny, nz, lx, ly, lz, solid, value)
+        _places(to_picture, lx, ly, lz, solid, widest, starts, rows, columns, ratio, bits, place)
+        red, green, blue = _ZERO, _ZERO, _ZERO
+        for k in range(met):
+            at = place[k]
+            red += value[k] * texels[at, 0]
+            green += value[k] * texels[at, 1]
+            blue += value[k] * texels[at, 2]
         out[i, 0], out[i, 1], out[i, 2] = red / _PI, green / _PI, blue / _PI

@@ -90,8 +90,7 @@ def sum_lights(
 @kernel("reordered")
 def _sum(  # type: ignore[no-untyped-def]
     normals, eyes, lights, colors, kind, parameters, shiny, ku, kv, u, v, z, numbers, environment,
-    out,
-    begin, end,
+    out, begin, end,
 ):  # fmt: skip
     count, channels = colors.shape
     warping, anisotropy = numbers[0], numbers[4]

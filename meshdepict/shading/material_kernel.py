@@ -18,7 +18,7 @@ from meshdepict.shading.material_kinds import (
 )
 from meshdepict.threads import kernel
 
-__all__ = ["FAINT", "diffuse", "specular"]
+__all__ = ["FAINT", "diffuse", "specular", "specular_of_halves"]
 
 FAINT = np.float32(20)  # e^−20 is a millionth of a grey level
 
@@ -100,3 +100,22 @@ def specular(kind, parameters, faint, local, cosine, nx, ny, nz, ex, ey, ez, ne,
         else:
             lobe = (power + _ONE) * np.float32(0.125) * nh**power if nh > least else _ZERO
             term[k] = lobe * mirror * nl / (eh * max(nl, seen))
+
+
+@kernel("reordered")
+def specular_of_halves(kind, parameters, lobe, nh, seen_under, cosine, ne, term):  # type: ignore[no-untyped-def]
+    """Write the same for half vectors whose n·h and e·h are known, and the lobe with them.
+
+    The lobe is Beckmann's distribution, or Ashikhmin and Shirley's power with its factor.
+    """
+    reflectance = parameters[1]
+    seen = max(ne, _GRAZING)
+    for k in range(len(nh)):
+        eh, nl = max(seen_under[k], _GRAZING), min(_ONE, cosine[k])
+        mirror = reflectance + (_ONE - reflectance) * _fifth(_ONE - min(_ONE, eh))
+        if kind == COOK_TORRANCE:
+            lit = min(_ONE / seen, _TWO * nh[k] / eh, _TWO * nh[k] * nl / (eh * seen))
+            lit *= np.float32(0.25)
+        else:
+            lit = nl / (eh * max(nl, seen))
+        term[k] = mirror * lobe[k] * lit if nl > _ZERO else _ZERO

@@ -13,7 +13,7 @@ from meshdepict.scene.material import Phong
 from meshdepict.scene.names import LightsLike, parted
 from meshdepict.scene.view import View
 from meshdepict.shading.direct import direct
-from meshdepict.shading.features import eyes, sight
+from meshdepict.shading.features import LightCount, eyes, sight
 from meshdepict.shading.method import Exposure, exposed, method
 
 __all__ = ["phong"]
@@ -35,6 +35,7 @@ def phong(
     shininess: Annotated[
         float, Range(0, 1e6, help="exponent of the highlights", soft=(1, 100))
     ] = 20.0,
+    lights: LightCount = 54,
     exposure: Exposure = 1.0,
 ) -> NDArray[np.float32]:
     """Shade by ambient + diffuse · n·l + specular · (r·l)^shininess, r the reflected view.
@@ -43,6 +44,8 @@ def phong(
     """
     eye = sight(view, space, fitted=False)
     material = Phong(ambient, diffuse, specular, shininess)
-    lights, environments = parted(light, eye)
-    shaded = direct(space, lights, eyes(space, eye), material, environments=environments)
+    lamps, environments = parted(light, eye)
+    shaded = direct(
+        space, lamps, eyes(space, eye), material, environments=environments, count=lights
+    )
     return exposed(shaded + np.float32(ambient), exposure)

@@ -60,6 +60,8 @@ class LiveMethod:
         Parts of the shader that are compiled at all.
     only : {option: values}
         Options that have but these values live.
+    most : {option: number}
+        Options whose larger values are not live.
     several : bool
         Whether it takes several lights, and their colours.
     """
@@ -72,6 +74,7 @@ class LiveMethod:
     uniforms: Callable[[ScaleSpace, Options], Uniforms] = _none
     defines: Callable[[Options], dict[str, int]] = _none
     only: Mapping[str, tuple[Any, ...]] = field(default_factory=dict)
+    most: Mapping[str, float] = field(default_factory=dict)
     several: bool = False
 
     def reads(self, space: ScaleSpace, options: Options) -> Reads:

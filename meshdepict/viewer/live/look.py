@@ -12,7 +12,7 @@ from meshdepict.errors import MeshdepictError
 from meshdepict.options import check, nearest, options_of
 from meshdepict.scales.space import ScaleSpace
 from meshdepict.scene.light import Light
-from meshdepict.scene.names import LightsLike, as_light, as_lights, as_view
+from meshdepict.scene.names import LightsLike, as_light, as_lights, as_view, has_environment
 from meshdepict.scene.view import View
 from meshdepict.shading.method import declaration
 from meshdepict.shading.registry import find_method
@@ -174,6 +174,12 @@ def changed_options(
                 f"{method.name} can't be live with {name}={changed[name]!r}, only with "
                 f"{values[0]!r}; bake it instead"
             )
+    for name, most in method.most.items():
+        if changed[name] > most:
+            raise MeshdepictError(
+                f"{method.name} can't be live with {name}={changed[name]:g}, only up to {most:g}: "
+                "beyond, single precision isn't enough; bake it instead"
+            )
     return changed
 
 
@@ -189,6 +195,11 @@ def live_lights(
     """
     if not method.several:
         return [Light(as_light(light, view).direction)]
+    if has_environment(light) and "GLOSSY" in method.defines(options):
+        raise MeshdepictError(
+            "live shading has no highlights of an environment, which are sampled at every point; "
+            "bake it instead"
+        )
     lights = as_lights(light, view, count=options.get("lights", 54))
     if len(lights) > MOST_LIGHTS:
         raise MeshdepictError(
