@@ -75,14 +75,14 @@ def _parted(ex, ey, ez, nx, ny, nz, count, seen, x, y, z, solid, value):  # type
         lx, ly, lz = x[k], y[k], z[k]
         back = ex * lx + ey * ly + ez * lz
         dx, dy, dz = ex - back * lx, ey - back * ly, ez - back * lz
-        size = math.sqrt(solid[k] / max(seen[k] * (_ONE - back * back), _TINY)) / parts
-        dx, dy, dz = dx * size, dy * size, dz * size
+        reach = math.sqrt(solid[k] / max(seen[k] * (_ONE - back * back), _TINY)) / parts
+        dx, dy, dz = dx * reach, dy * reach, dz * reach
         share, own = value[k] / parts, solid[k] / parts
         for part in range(parts):
             shift = np.float32(part) - _HALF * np.float32(parts - 1)
             px, py, pz = lx + shift * dx, ly + shift * dy, lz + shift * dz
-            unit = _ONE / math.sqrt(px * px + py * py + pz * pz)
-            px, py, pz = px * unit, py * unit, pz * unit
+            size = _ONE / math.sqrt(px * px + py * py + pz * pz)
+            px, py, pz = px * size, py * size, pz * size
             to = k if part == 0 else more
             more += part > 0
             x[to], y[to], z[to], solid[to] = px, py, pz, own
@@ -206,7 +206,7 @@ def sum_lobes(  # type: ignore[no-untyped-def]
         if scaled:
             mean = ku[i] + kv[i]
             slant = anisotropy * (ku[i] - kv[i])
-            convexity = np.float32(-math.tanh(mean))
+            convexity = -math.tanh(mean)
             row = int((convexity * _HALF + _HALF) * (bins - 1) + _HALF)
         # The lobe's frame: its axis, and across it the plane of sight.
         if halves:
@@ -218,7 +218,7 @@ def sum_lobes(  # type: ignore[no-untyped-def]
         bx, by, bz = bx - along * ax, by - along * ay, bz - along * az
         if bx * bx + by * by + bz * bz < np.float32(1e-10):  # seen head-on: any will do
             bx, by, bz = (_ZERO, -az, ay) if abs(ax) < _HALF else (az, _ZERO, -ax)
-        size = _ONE / math.sqrt(max(bx * bx + by * by + bz * bz, _TINY))
+        size = np.float32(_ONE / math.sqrt(max(bx * bx + by * by + bz * bz, _TINY)))
         bx, by, bz = bx * size, by * size, bz * size
         axis[0], axis[1], axis[2] = ax, ay, az
         side[0], side[1], side[2] = bx, by, bz

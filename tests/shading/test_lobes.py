@@ -35,9 +35,10 @@ def space():
 
 
 def every_pixel(environment):
-    """A light for every pixel."""
-    colors = (environment.pixels * environment._solid_angles[..., None]).reshape(-1, 3) / np.pi
-    directions = environment._directions.reshape(-1, 3)
+    """A light for every quarter of a pixel: at grazing angles lobes are narrower than a pixel."""
+    fine = Environment(np.kron(environment.pixels, np.ones((2, 2, 1))))
+    colors = (fine.pixels * fine._solid_angles[..., None]).reshape(-1, 3) / np.pi
+    directions = fine._directions.reshape(-1, 3)
     return [Light(d, "", c) for d, c in zip(directions, colors, strict=True)]
 
 
@@ -54,8 +55,6 @@ METHODS = {
     "both": (shading.radiance_scaling, {"magnitude": 4.0, "warping": 4.0}),
     "warped": (shading.light_warping, {}),
     "seen": (shading.light_warping, {"curvature": "view"}),
-    "aligned": (shading.light_alignment, {}),
-    "sharp": (shading.light_alignment, {"sharpness": 8.0}),
 }
 
 
@@ -66,20 +65,42 @@ def test_lobes_are_the_sum_over_every_pixel(space, light, method, material):
     found = function(space, light, material=material, **options)
     dense = function(space, every_pixel(light), material=material, **options)
     few = function(space, light.lights(54), material=material, **options)
-    # What is aligned turns at once where a guide changes sides; the rest is measured at 0.2 … 1.6.
+    head_on = np.abs(space.normals[0][:, 2]) > 0.3
+    # Measured: 0.1 … 0.6, with the rim up to 3.1; 54 lights in place of lobes 9 … 42.
+    assert levels(found[head_on], dense[head_on]) < 0.8
+    assert levels(found, dense) < 3.5
+    assert levels(found, dense) < levels(few, dense) / 5
+
+
+@pytest.mark.parametrize("sharpness", [3.0, 8.0])
+def test_aligned_lobes_are_the_sum_over_many_lights(space, light, sharpness):
+    settings = {"material": Phong(0, 0.3, 0.5, 40), "sharpness": sharpness}
+    found = shading.light_alignment(space, light, **settings)
+    dense = shading.light_alignment(space, light.lights(700), **settings)
+    few = shading.light_alignment(space, light.lights(54), **settings)
     assert levels(found, dense) < 2
-    assert levels(found, dense) < max(0.8, levels(few, dense))
+    assert levels(found, dense) < levels(few, dense)
+
+
+@pytest.mark.parametrize("material", GLOSSY, ids=repr)
+def test_lobes_aligned_by_nothing_are_plain_ones(space, light, material):
+    aligned = shading.light_alignment(
+        space, light, material=material, strength=0, specular_strength=0
+    )
+    plain = shading.radiance_scaling(space, light, material=material, magnitude=0, lights=500)
+    head_on = np.abs(space.normals[0][:, 2]) > 0.3
+    assert levels(aligned[head_on], plain[head_on]) < 1
 
 
 @pytest.mark.parametrize("material", GLOSSY, ids=repr)
 def test_more_samples_come_closer(space, light, material):
+    """Down to what the least blurred copy, a pixel wide, leaves of pixels."""
     dense = shading.radiance_scaling(space, every_pixel(light), material=material)
-    errors = [
+    few, more = (
         levels(shading.radiance_scaling(space, light, material=material, lights=n), dense)
-        for n in (8, 64, 512)
-    ]
-    assert errors[1] < errors[0]
-    assert errors[2] < max(errors[1], 0.4)
+        for n in (8, 128)
+    )
+    assert more < few / 2
 
 
 @pytest.mark.parametrize("material", GLOSSY, ids=repr)
@@ -117,7 +138,7 @@ def test_a_single_texel_is_a_directional_light(space, material):
     expected = shading.radiance_scaling(space, lamp, material=material, magnitude=0)
     facing = (space.normals[0] @ direction > 0.2) & (np.abs(space.normals[0][:, 2]) > 0.3)
     # The texel is 6° wide, and its least blurred copy no sharper.
-    np.testing.assert_allclose(found[facing, 0], expected[facing], atol=0.03 * expected.max())
+    np.testing.assert_allclose(found[facing], expected[facing], atol=0.03 * expected.max())
 
 
 def test_the_smoothest_facets_are_a_mirror(space, light):
