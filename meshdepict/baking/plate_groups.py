@@ -65,6 +65,8 @@ def draw_groups(
     main = -1
     for done, spot in enumerate(spots):
         group = groups[spot.group]
+        for key in [key for key in spaces if key[0] != id(group.shape)]:
+            del spaces[key]  # of a shape that is done
         baked = _baked(group, spot.view, spaces)
         pixels = on_ground(_pixels(baked, spot), ground)
         pictures.append(Picture(Image.fromarray(pixels), spot.left, spot.top))

@@ -110,9 +110,21 @@ class Figure:
         dark = self.ground is not None and _luma(self.ground) < _DARK
         return (white, black) if dark else (black, white)
 
-    def captioned(self, facts: Mapping[str, str]) -> Figure:
-        """Return the figure with the caption that says where a picture comes from, if asked for."""
-        return replace(self, caption=summary(facts)) if self.caption == "auto" else self
+    def captioned(self, facts: Mapping[str, str], unit: str = "") -> Figure:
+        """Return the figure with the caption that says where a picture comes from, if asked for.
+
+        Parameters
+        ----------
+        facts : mapping
+            The picture's provenance.
+        unit : str
+            What widths are measured in, unless the figure says it.
+        """
+        if self.caption != "auto":
+            return self
+        text = summary(facts)
+        measured = " width" in text
+        return replace(self, caption=f"{text} {self.unit or unit}".rstrip() if measured else text)
 
     def letters(self, size: tuple[int, int]) -> int:
         """Height of letters in pixels in a picture of a size."""

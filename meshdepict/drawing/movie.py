@@ -73,18 +73,17 @@ def save_movie(
         path, turn=turn, light_fixed=light_fixed, seconds=seconds, fps=fps, figure=figure
     )
     view, light = session.view, session.light
-    figure = figure.captioned(session.baked().provenance)
+    first = session.baked()
+    figure = figure.on(first.ground).captioned(first.provenance, session.shape.length_unit)
     moves = _circle if turn == "light" else _round
     framing = frame(view, session.shape, figure, turning=turn == "object")
     try:
-        first = session.baked()
-        page = figure.on(first.ground)
         lines = [*first.comments, f"meshdepict turn: {turn} in {count} frames"]
         with canvas(first, framing.drawn, samples=_SAMPLES) as drawing:
 
             def draw(index: int) -> Any:
                 eye = moves(session, light, framing, light_fixed, 360 * index / count)
-                return finished(drawing.draw(eye, session.colors), framing, page)
+                return finished(drawing.draw(eye, session.colors), framing, figure)
 
             def frames() -> Iterator[Any]:
                 for index in range(count):

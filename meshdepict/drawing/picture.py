@@ -81,7 +81,8 @@ def save_picture(
 
 def draw_page(baked: Painted, figure: Figure) -> Page:
     """Return the page that `save_picture` writes."""
-    figure = figure.on(baked.ground).captioned(baked.provenance)
+    unit = getattr(baked.shape, "length_unit", "")
+    figure = figure.on(baked.ground).captioned(baked.provenance, unit)
     framing = frame(baked.view, baked.shape, figure)
     with canvas(baked, framing.drawn) as drawing:
         return laid_out(drawing.draw(framing.view), framing, figure)

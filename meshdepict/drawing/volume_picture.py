@@ -86,7 +86,7 @@ def draw_volume_page(
     MeshdepictError
         As `frame`, and for a plain picture of a bake without a transfer function.
     """
-    figure = figure.on(baked.ground).captioned(_facts(baked, plain=plain))
+    figure = figure.on(baked.ground).captioned(_facts(baked, plain=plain), baked.shape.length_unit)
     framing = frame(baked.view, baked.shape, figure)
     if plain:
         transfer = baked.transfer

@@ -120,6 +120,16 @@ def test_a_light_turn_shades_anew_with_one_scale_space(tmp_path):
         assert (one != other).any()  # nor is the last frame the first
 
 
+def test_a_movie_has_its_caption_below_in_every_frame(session, tmp_path):
+    figure = Figure(size=(300, 200), caption="auto")
+    path = save_movie(session, tmp_path / "m.gif", seconds=0.2, fps=10, figure=figure)
+    with Image.open(path) as movie:
+        for index in range(movie.n_frames):
+            movie.seek(index)
+            strip = np.asarray(movie.convert("L"))[-20:]
+            assert (strip < 128).sum() > 50
+
+
 @pytest.mark.parametrize("turn", ["light", "object"])
 def test_a_session_is_left_as_it_was(session, tmp_path, turn):
     view, light, colors = session.view, session.light, session.colors.copy()

@@ -258,6 +258,10 @@ def test_a_caption_says_method_light_and_widths_when_asked(ball, tmp_path):
     ).getroot()
     (text,) = [each.text for each in root.iter(f"{SVG}text")]
     assert re.fullmatch(r"exaggerated, light east, 3 widths [\d.]+ to [\d.]+", text)
+    root = ElementTree.parse(
+        baked.picture(tmp_path / "b.svg", size=(900, 300), caption="auto", unit="cm")
+    ).getroot()
+    assert [each.text for each in root.iter(f"{SVG}text")] == [f"{text} cm"]
 
 
 @pytest.mark.parametrize(("size", "words"), [((60, 60), 50), (None, 2_000)])
