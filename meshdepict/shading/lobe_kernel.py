@@ -206,7 +206,7 @@ def sum_lobes(  # type: ignore[no-untyped-def]
         if scaled:
             mean = ku[i] + kv[i]
             slant = anisotropy * (ku[i] - kv[i])
-            convexity = -math.tanh(mean)
+            convexity = np.float32(-math.tanh(mean))
             row = int((convexity * _HALF + _HALF) * (bins - 1) + _HALF)
         # The lobe's frame: its axis, and across it the plane of sight.
         if halves:
