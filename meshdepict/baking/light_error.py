@@ -25,8 +25,8 @@ def light_error(space: ScaleSpace, look: Choices, view: View) -> float | None:
     """Return the root mean square error in grey levels that sampling an environment leaves.
 
     A thousand vertices are shaded again with four times as many lights, and as many more samples in
-    each lobe. What those are off themselves is a quarter or so, which makes the estimate 3 % too
-    large where errors are noise, and 25 % too small where they fall as slowly as 1/√N.
+    each lobe. Where errors fall slowly, at the rim under narrow lobes, that is half of the error;
+    elsewhere nearly all of it.
 
     Parameters
     ----------

@@ -30,17 +30,13 @@ class Blurs(NamedTuple):
     texels : (n, 3) array of float32
         Radiance of all copies, row by row.
     starts, rows, columns : (k,) arrays of int32
-        Where each begins in them, and its size. Copy j is blurred by `width_of(j)`, but for the
-        last if `sharp`.
-    sharp : bool
-        Whether the last copy is the picture itself.
+        Where each begins in them, and its size. Copy j is blurred by `width_of(j)`.
     """
 
     texels: NDArray[np.float32]
     starts: NDArray[np.int32]
     rows: NDArray[np.int32]
     columns: NDArray[np.int32]
-    sharp: bool
 
 
 def width_of(level: int) -> float:

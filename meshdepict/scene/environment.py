@@ -236,26 +236,19 @@ class Environment:
         return self._copies[level]
 
     def blurs(self, finest: float) -> Blurs:
-        """Return blurred copies down to a width in radians, and the picture itself below a pixel.
-
-        They are kept.
-        """
+        """Return blurred copies down to a width in radians, or to a pixel; they are kept."""
         count = min(levels(max(finest, 1e-9)), self._levels)
-        sharp = count == self._levels and finest < width_of(count - 1)
-        if (count, sharp) not in self._blurs:
-            copies = [self._copy(level) for level in range(count)] + [self.pixels] * sharp
-            # Pixels are left to samples much closer than they are: the nearest is looked up.
-            order = [*range(count), *[count - 1] * 3 * sharp, *[count] * sharp]
+        if count not in self._blurs:
+            copies = [self._copy(level) for level in range(count)]
             sizes = np.array([copy.shape[:2] for copy in copies])
-            ends = np.cumsum(sizes.prod(axis=1))
+            starts = np.append(0, np.cumsum(sizes.prod(axis=1))[:-1]).astype(np.int32)
+            rows, columns = sizes.astype(np.int32).T.copy()
             texels = np.concatenate([copy.reshape(-1, 3) for copy in copies])
-            starts = np.append(0, ends[:-1])[order].astype(np.int32)
-            rows, columns = sizes[order].astype(np.int32).T.copy()
-            self._blurs[count, sharp] = Blurs(texels, starts, rows, columns, sharp)
-        return self._blurs[count, sharp]
+            self._blurs[count] = Blurs(texels, starts, rows, columns)
+        return self._blurs[count]
 
     @cached_property
-    def _blurs(self) -> dict[tuple[int, bool], Blurs]:
+    def _blurs(self) -> dict[int, Blurs]:
         return {}
 
     def reduced(self, rows: int) -> tuple[NDArray[np.float32], NDArray[np.float32]]:

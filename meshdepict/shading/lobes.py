@@ -156,7 +156,7 @@ def _summed(
         normals, eyes, kind, parameters, halves, *frames,
         np.array([warping, *scaling], np.float32),
         np.zeros(0, precision) if strengths is None else strengths.astype(precision),
-        precision(math.exp(-sharpness)), exact, *tables, *blurs[:4],
+        precision(math.exp(-sharpness)), exact, *tables, *blurs,
         np.ascontiguousarray(upright(environment.up).T, np.float32), widest,
         np.array(between, np.float32),
     )  # fmt: skip

@@ -133,8 +133,8 @@ def test_the_polynomials_keep_their_stated_errors(rng):
         np.testing.assert_allclose(got, exact(angle.astype(float)), atol=1e-7 + rounding)
 
 
-@pytest.mark.parametrize("strength", [0.0, 0.4, 1.0])
-@pytest.mark.parametrize("sharpness", [0.0, 3.0])
+@pytest.mark.parametrize("strength", [0.0, 0.4, 0.9, 1.0])
+@pytest.mark.parametrize("sharpness", [0.0, 3.0, 4.0, 6.0, 8.0, 12.0, 16.0, 20.0])
 def test_single_precision_stays_within_a_grey_level(space, strength, sharpness):
     normals = space.normals.astype(float)
     for direction in ((-1, 1, 1), (1, 0, 0), (0, 0, -1), (0.2, -0.9, 0.1)):

@@ -223,7 +223,7 @@ def test_polygons_and_points(method):
         ("exaggerated", {"contrast": 1e6, "exposure": 1e6}),
         ("exaggerated", {"focus": (0, 0, 1), "radius": 1e-300}),
         ("exaggerated", {"focus": (1e300, 0, 0), "radius": 1e300}),
-        ("light_alignment", {"sharpness": 1e6, "strength": 1.0}),
+        ("light_alignment", {"sharpness": 6.0, "strength": 1.0}),
         ("light_warping", {"magnitude": 1e30, "gain": 1e30}),
         ("light_warping", {"magnitude": -1e30, "contrast": 1.0}),
         ("radiance_scaling", {"magnitude": 1e30, "gain": 1e30, "exposure": 0.1}),
@@ -249,3 +249,15 @@ def test_the_signature_is_the_documented_one():
     parameters = inspect.signature(LiveShading).parameters
     assert list(parameters) == ["space", "method", "options", "light", "view", "colormap"]
     assert set(live_methods()) <= set(md.shading.METHODS)
+
+
+def test_what_the_card_cannot_do_is_refused(space):
+    with pytest.raises(md.MeshdepictError, match=r"sharpness=8, only up to 6"):
+        LiveShading(space, "light_alignment", view="front", options={"sharpness": 8.0})
+    panorama = md.Environment(np.ones((4, 8, 3)))
+    with pytest.raises(md.MeshdepictError, match="no highlights of an environment"):
+        LiveShading(space, "radiance_scaling", view="front", light=panorama, options={"lights": 4})
+    LiveShading(
+        space, "radiance_scaling", view="front", light=panorama,
+        options={"lights": 4, "material": "lambert"},
+    ).check()  # fmt: skip
