@@ -188,7 +188,7 @@ def test_each_of_the_numbers_can_be_given(spaces):
     ]
     found = exaggerated(space, "west", exaggeration=steep)
     np.testing.assert_allclose(found - coat, np.sum(alone, axis=0), atol=1e-5)
-    assert all(np.abs(band).max() > 1e-4 for band in alone)
+    assert sum(np.abs(band).max() > 1e-3 for band in alone) >= 2  # wide ones see a sphere
     np.testing.assert_array_equal(
         exaggerated(space, "west", exaggeration=(7.0,) * 9),
         exaggerated(space, "west", exaggeration=7.0),
