@@ -41,6 +41,7 @@ class ImageSpace(ScaleSpace):
     """Samples at the pixels of a G-buffer; ``filter`` says how they were smoothed."""
 
     shape: GBuffer
+    _means_of_smoothing = ("_step",)
 
     def __init__(
         self,

@@ -61,6 +61,9 @@ class ScaleSpace:
         What the sums were made with; see `scale_space`.
     """
 
+    # Names of what only smoothing needs, and can't be sent to another process.
+    _means_of_smoothing: tuple[str, ...] = ()
+
     def __init__(
         self,
         shape: Shape,
@@ -184,6 +187,20 @@ class ScaleSpace:
         self._sets[scale] = found[scale]
         if len(self._sets) == len(self.widths):
             self._all = found
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Return what is sent to another process: all sets, and not how they are smoothed."""
+        self.smooth()
+        left_out = ("_room", "_smoothing", "_sets", *self._means_of_smoothing)
+        return {name: value for name, value in vars(self).items() if name not in left_out}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        """Take up again what was kept."""
+        vars(self).update(state)
+        assert self._all is not None
+        self._all.setflags(write=False)
+        self._sets = dict(enumerate(self._all))
+        self._room, self._smoothing = self._all.data, threading.RLock()
 
     def _missing(self, wanted: set[int]) -> list[int]:
         """Return which scales are to be smoothed for some, fine to coarse."""

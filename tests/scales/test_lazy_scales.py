@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pickle
 from collections.abc import Callable
 from typing import Any
 
@@ -174,3 +175,14 @@ def test_where_the_paper_s_sum_cancels_the_next_finer_set_is_asked() -> None:
     space, full = scale_space(mesh, **widths, at_once=(2,)), scale_space(mesh, **widths)
     assert space.smoothed == {0, 1, 2}
     np.testing.assert_array_equal(space.normals, full.normals)
+
+
+def test_a_scale_space_can_be_sent_to_another_process(
+    made: Made, full: np.ndarray[Any, Any]
+) -> None:
+    there = pickle.loads(pickle.dumps(made(at_once=(2,))))
+    np.testing.assert_array_equal(there.normals, full)
+    np.testing.assert_array_equal(there.normals_at(3), full[3])
+    np.testing.assert_array_equal(there.planes_of((3, 1))[0], full[3].T)
+    assert not there.normals_at(1).flags.writeable
+    np.testing.assert_array_equal(there.curvature(1).k1, made(at_once=()).curvature(1).k1)
