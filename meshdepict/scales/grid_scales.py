@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 
 from meshdepict.scales.chosen_samples import ChosenSamples
 from meshdepict.scales.grid_smoothing import GridSmoothing
-from meshdepict.scales.space import Fill, ScaleSpace
+from meshdepict.scales.normal_sets import Fill
+from meshdepict.scales.space import ScaleSpace
 from meshdepict.voxels.grid_normals import (
     Scattered,
     gradients_to_world,
