@@ -138,9 +138,9 @@ class NormalSets:
         """Let a set be there that has been filled in; nobody may write to it any more."""
         found = np.asarray(self._room)
         found.setflags(write=False)
-        self._sets[scale] = found[scale]
-        if len(self._sets) == len(self.widths):
+        if len({*self._sets, scale}) == len(self.widths):
             self._all = found
+        self._sets[scale] = found[scale]
 
     def __getstate__(self) -> dict[str, Any]:
         """Return what is sent to another process: all sets, and not how they are smoothed."""
