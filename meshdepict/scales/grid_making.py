@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from meshdepict.errors import MeshdepictError
 from meshdepict.scales.grid_scales import GridSpace, opacity_of
 from meshdepict.scales.grid_smoothing import GridSmoothing
-from meshdepict.scales.ladder import TOLERANCE, Progress, checked_scale, reporter
+from meshdepict.scales.ladder import TOLERANCE, Progress, checked_scales, reporter
 from meshdepict.voxels.grid_normals import packed
 from meshdepict.voxels.grid_samples import Samples, shaded_voxels
 from meshdepict.voxels.grid_sums import Piece
@@ -146,9 +146,7 @@ def piece_space(
     planes = np.empty((len(widths), 3, len(samples)), np.float32)
     planes[0] = own
     del own
-    last = len(widths) - 1
-    wanted = {checked_scale(s, last) for s in (range(last + 1) if at_once is None else at_once)}
-    wanted -= {0}
+    wanted = checked_scales(at_once, len(widths) - 1) - {0}
     for number, scale in enumerate(sorted(wanted) if len(samples) else (), 1):
         done = reporter(progress, number, len(wanted))
         smoothing.fill(float(widths[scale]), planes[scale], done)

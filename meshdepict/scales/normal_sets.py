@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from meshdepict.scales.ladder import Progress, checked_scale, reporter
+from meshdepict.scales.ladder import Progress, checked_scale, checked_scales, reporter
 
 __all__ = ["Fill", "NormalSets"]
 
@@ -120,8 +120,7 @@ class NormalSets:
         MeshdepictError
             For a scale that isn't there.
         """
-        every = range(len(self.widths))
-        wanted = set(every if scales is None else map(self._checked_scale, scales))
+        wanted = checked_scales(scales, self.last)
         if wanted <= self._sets.keys():
             return
         with self._smoothing:

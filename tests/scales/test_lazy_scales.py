@@ -131,6 +131,10 @@ def test_scales_that_are_not_there_are_refused(made: Made) -> None:
             read(5)
     with pytest.raises(MeshdepictError, match="scale=5 is not one"):
         made(at_once=(5,))
+    with pytest.raises(MeshdepictError, match="True are no scales: give numbers"):
+        made(at_once=True)
+    with pytest.raises(MeshdepictError, match="scale='1' is not one of"):
+        made(at_once="1")
     assert space.smoothed == {0}
 
 
