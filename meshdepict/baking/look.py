@@ -12,7 +12,7 @@ from meshdepict.baking.baked import Baked
 from meshdepict.baking.choices import Choices, takes_choices
 from meshdepict.baking.recipe import load_recipe, save_recipe
 from meshdepict.baking.volumes import BakedVolume
-from meshdepict.scales.grid_scales import MEMORY
+from meshdepict.scales.grid_making import MEMORY
 from meshdepict.scales.ladder import Progress
 
 __all__ = ["Look", "bake", "bake_volume"]

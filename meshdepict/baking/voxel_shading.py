@@ -13,7 +13,8 @@ from meshdepict import color
 from meshdepict.baking.choices import Choices
 from meshdepict.baking.provenance import describe
 from meshdepict.errors import MeshdepictError
-from meshdepict.scales.grid_scales import GridSpace, piece_space, typical_slices
+from meshdepict.scales.grid_making import piece_space
+from meshdepict.scales.grid_scales import GridSpace, typical_slices
 from meshdepict.scales.ladder import check_ladder, ladder
 from meshdepict.scales.space import ScaleSpace
 from meshdepict.scene.names import Lighting

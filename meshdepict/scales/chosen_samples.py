@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from meshdepict.scales.space import Fill, ScaleSpace
+from meshdepict.scales.normal_sets import Fill
+from meshdepict.scales.space import ScaleSpace
 
 if TYPE_CHECKING:
     from meshdepict.curvature.principal import PrincipalCurvatures

@@ -12,39 +12,25 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from meshdepict.errors import MeshdepictError
 from meshdepict.scales.chosen_samples import ChosenSamples
 from meshdepict.scales.grid_smoothing import GridSmoothing
-from meshdepict.scales.ladder import TOLERANCE, Progress, checked_scale, reporter
-from meshdepict.scales.space import Fill, ScaleSpace
+from meshdepict.scales.normal_sets import Fill
+from meshdepict.scales.space import ScaleSpace
 from meshdepict.voxels.grid_normals import (
     Scattered,
     gradients_to_world,
     in_voxels,
     least_gradient,
-    packed,
 )
-from meshdepict.voxels.grid_samples import Samples, shaded_voxels
+from meshdepict.voxels.grid_samples import Samples
 from meshdepict.voxels.grid_sums import GRADIENT, GridSums, Piece
 
 if TYPE_CHECKING:
     from meshdepict.color.transfer_function import TransferFunction
     from meshdepict.curvature.principal import PrincipalCurvatures
-    from meshdepict.shapes.volume import Volume
     from meshdepict.voxels.grid import Grid
 
-__all__ = [
-    "MEMORY",
-    "GridSpace",
-    "grid_space",
-    "piece_space",
-    "sample_bytes",
-    "space_of_mask",
-    "typical_slices",
-]
-
-MEMORY = 2e9
-"""Bytes that the normals of a grid may take unless more is allowed."""
+__all__ = ["GridSpace", "opacity_of", "typical_slices"]
 
 _PART = 1 << 20  # points to be placed at a time
 
@@ -132,7 +118,7 @@ class GridSpace(ScaleSpace):
 
         if self.transfer is None:
             return np.full(len(samples), 255, np.uint8)
-        opacity = _opacity(self.transfer, self.shape, self._piece, samples, gradient)
+        opacity = opacity_of(self.transfer, self.shape, self._piece, samples, gradient)
         return np.maximum(quantise(opacity), opacity > 0)
 
     def between(self, begin: int, end: int) -> ScaleSpace:
@@ -229,146 +215,9 @@ def typical_slices(between: Callable[[int, int], ScaleSpace], count: int) -> Sca
         thick *= 2
 
 
-def grid_space(
-    volume: Volume,
-    widths: NDArray[np.float64],
-    ratio: float,
-    *,
-    where: NDArray[np.bool_] | None = None,
-    transfer: TransferFunction | None = None,
-    tolerance: float = TOLERANCE,
-    memory: float = MEMORY,
-    at_once: Iterable[int] | None = None,
-    progress: Progress | None = None,
-) -> GridSpace:
-    """Return normals at every width at the voxels of a volume that are shown, and beside them.
-
-    Parameters
-    ----------
-    volume : Volume
-    widths : (scales + 1,) array
-        Of the Gaussians, in world units, the first 0.
-    ratio : float
-    where : (nz, ny, nx) array of bool, optional
-        Voxels to be shaded; all others are left out.
-    transfer : TransferFunction, optional
-        In the volume's unit: voxels without opacity, and not beside one with, are left out.
-    tolerance : float
-        Largest angular error of a normal in radians, wherever the values change by 1e-3 of their
-        range or more within one width.
-    memory : float
-        Bytes that the normals may take.
-    at_once
-        As for `scale_space`.
-    progress : callable, optional
-        ``progress(done, total)``.
-
-    Raises
-    ------
-    MeshdepictError
-        Where nothing is shown or nothing shown has a gradient, for normals that take more memory
-        than allowed, and for `where` of another shape.
-    """
-    return space_of_mask(
-        volume, shaded_voxels(volume, where, transfer), widths, ratio,
-        transfer=transfer, tolerance=tolerance, memory=memory, at_once=at_once, progress=progress,
-    )  # fmt: skip
-
-
-def space_of_mask(
-    volume: Volume,
-    mask: NDArray[np.bool_],
-    widths: NDArray[np.float64],
-    ratio: float,
-    *,
-    transfer: TransferFunction | None,
-    tolerance: float,
-    memory: float,
-    at_once: Iterable[int] | None = None,
-    progress: Progress | None = None,
-) -> GridSpace:
-    """Return the scale space of the voxels of a mask; see `grid_space`."""
-    samples = Samples.of_mask(mask)
-    if not len(samples):
-        raise MeshdepictError(
-            "no voxel of the volume is shown: lower the values where the opacity begins, "
-            f"{volume.range[0]:g} to {volume.range[1]:g} is what there is"
-        )
-    needed = len(samples) * sample_bytes(len(widths))
-    if needed > memory:
-        raise MeshdepictError(
-            f"the normals of {len(samples):,} voxels at {len(widths) - 1} scales take "
-            f"{needed / 1e9:.2g} GB, more than the {memory / 1e9:.2g} GB allowed: show fewer "
-            "voxels by a transfer function, allow more with memory=, or let bake_volume go slab by "
-            "slab"
-        )
-    shape = volume.counts
-    piece = Piece(volume.values, (0, 0, 0), (shape[0], shape[1], shape[2]), volume.range)
-    space = piece_space(
-        volume, piece, samples, widths, ratio,
-        transfer=transfer, tolerance=tolerance, at_once=at_once, progress=progress,
-    )  # fmt: skip
-    if not len(space.points):
-        raise MeshdepictError("the voxels shown are all alike, so that there is nothing to shade")
-    return space
-
-
-def _opacity(
+def opacity_of(
     transfer: TransferFunction, shape: Grid, piece: Piece, samples: Samples, gradient: NDArray[Any]
 ) -> NDArray[np.float32]:
+    """Return the opacity (n,) of samples, given the slopes of the density there."""
     with np.errstate(over="ignore"):  # an infinite slope is as steep as they come
         return transfer.opacity(piece.at(samples), gradient * shape.units_per_mm)
-
-
-def sample_bytes(count: int) -> int:
-    """Return the bytes that a voxel's normals at `count` scales take, with its place."""
-    return 12 * count + 40
-
-
-def piece_space(
-    shape: Grid,
-    piece: Piece,
-    samples: Samples,
-    widths: NDArray[np.float64],
-    ratio: float,
-    *,
-    transfer: TransferFunction | None,
-    tolerance: float,
-    at_once: Iterable[int] | None = None,
-    progress: Progress | None = None,
-) -> GridSpace:
-    """Return the scale space of chosen voxels, of which a piece of the volume is at hand.
-
-    It has no samples where none of them is left by the gradient opacity, or has a gradient.
-    """
-    smoothing = GridSmoothing(shape, piece, samples, tolerance)
-    own, gradient = np.empty((3, len(samples)), np.float32), np.empty(len(samples))
-    if len(samples):
-        smoothing.fill(0.0, own, lengths=gradient)
-        with np.errstate(over="ignore"):
-            gradient *= piece.half_range / float(shape.spacing.min())
-        np.minimum(gradient, np.finfo(np.float64).max, out=gradient)
-    if transfer is not None and transfer.gradient_opacity is not None:
-        keep = samples.beside(_opacity(transfer, shape, piece, samples, gradient) > 0)
-        smoothing, own, gradient = smoothing.kept(keep), own[:, keep], gradient[keep]
-        samples = smoothing.samples
-    planes = np.empty((len(widths), 3, len(samples)), np.float32)
-    planes[0] = own
-    del own
-    last = len(widths) - 1
-    wanted = {checked_scale(s, last) for s in (range(last + 1) if at_once is None else at_once)}
-    wanted -= {0}
-    for number, scale in enumerate(sorted(wanted) if len(samples) else (), 1):
-        done = reporter(progress, number, len(wanted))
-        smoothing.fill(float(widths[scale]), planes[scale], done)
-    first = smoothing.first_normals(planes, wanted, widths)
-    bent = first >= 0
-    flat = samples.kept(~bent)
-    if len(flat):
-        planes = packed(planes, bent, (0, *sorted(wanted)))
-        first, gradient, smoothing = first[bent], gradient[bent], smoothing.kept(bent)
-    space = GridSpace(
-        smoothing, flat, gradient, widths, float(ratio), planes, first, transfer=transfer
-    )
-    space.adopt(wanted)
-    return space

@@ -12,7 +12,8 @@ from numpy.typing import ArrayLike, NDArray
 from meshdepict.errors import MeshdepictError
 from meshdepict.options import nearest
 from meshdepict.scales.ladder import Progress, check_ladder, ladder
-from meshdepict.scales.space import Fill, ScaleSpace
+from meshdepict.scales.normal_sets import Fill
+from meshdepict.scales.space import ScaleSpace
 from meshdepict.shapes.gbuffer import GBuffer
 from meshdepict.shapes.lengths import resolve_width
 
@@ -41,6 +42,7 @@ class ImageSpace(ScaleSpace):
     """Samples at the pixels of a G-buffer; ``filter`` says how they were smoothed."""
 
     shape: GBuffer
+    _means_of_smoothing = ("_step",)
 
     def __init__(
         self,

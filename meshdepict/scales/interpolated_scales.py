@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 
 from meshdepict.curvature.frames import halved_angle, tangents
 from meshdepict.curvature.principal import PrincipalCurvatures
-from meshdepict.scales.space import Fill, ScaleSpace
+from meshdepict.scales.normal_sets import Fill
+from meshdepict.scales.space import ScaleSpace
 
 if TYPE_CHECKING:
     from meshdepict.shapes.mesh import Mesh

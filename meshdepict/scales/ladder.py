@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,7 +10,16 @@ from numpy.typing import NDArray
 from meshdepict.errors import MeshdepictError
 from meshdepict.options import real
 
-__all__ = ["FACING", "TOLERANCE", "Progress", "check_ladder", "checked_scale", "ladder", "reporter"]
+__all__ = [
+    "FACING",
+    "TOLERANCE",
+    "Progress",
+    "check_ladder",
+    "checked_scale",
+    "checked_scales",
+    "ladder",
+    "reporter",
+]
 
 FACING = 1
 TOLERANCE = 1e-4
@@ -49,11 +58,25 @@ def check_ladder(scales: int, ratio: float, facing: int, tolerance: float) -> No
 
 def checked_scale(scale: int, last: int) -> int:
     """Return the number of a scale; refuse what is none of 0 to the last."""
-    if isinstance(scale, bool) or scale not in range(last + 1):
+    whole = real(scale)
+    if whole is None or whole not in range(last + 1):
         raise MeshdepictError(
             f"scale={scale!r} is not one of the scale space's, 0 to {last}; make more with scales=…"
         )
     return int(scale)
+
+
+def checked_scales(scales: Iterable[int] | None, last: int) -> set[int]:
+    """Return the numbers of some scales, of all where none are given; refuse what are none."""
+    if scales is None:
+        return set(range(last + 1))
+    try:
+        given = list(scales)
+    except TypeError:
+        raise MeshdepictError(
+            f"{scales!r:.80} are no scales: give numbers, (0, 1, 2) for instance"
+        ) from None
+    return {checked_scale(scale, last) for scale in given}
 
 
 def reporter(progress: Progress | None, scale: int, scales: int) -> Callable[[float], None] | None:

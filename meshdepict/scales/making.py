@@ -85,7 +85,7 @@ def scale_space(
     eye = None if view is None else as_view(view, shape)
     widths = ladder(scales, ratio, resolve_width(width, shape, eye))
     if isinstance(shape, Volume):
-        from meshdepict.scales.grid_scales import grid_space
+        from meshdepict.scales.grid_making import grid_space
 
         return grid_space(
             shape, widths, ratio, tolerance=tolerance, at_once=at_once, progress=progress

@@ -9,9 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshdepict.scales.ladder import Progress
+from meshdepict.scales.normal_sets import Fill
 from meshdepict.scales.patches import patch_sums
 from meshdepict.scales.smoothing import NormalSums
-from meshdepict.scales.space import Fill, ScaleSpace
+from meshdepict.scales.space import ScaleSpace
 from meshdepict.shapes.mesh import Mesh
 
 if TYPE_CHECKING:

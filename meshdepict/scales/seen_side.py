@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshdepict.curvature.principal import PrincipalCurvatures
-from meshdepict.scales.space import Fill, ScaleSpace
+from meshdepict.scales.normal_sets import Fill
+from meshdepict.scales.space import ScaleSpace
 
 if TYPE_CHECKING:
     from meshdepict.scene.view import View

@@ -5,15 +5,14 @@ The only step that knows what kind of shape it has. Everything after it works on
 
 from __future__ import annotations
 
-import threading
-from collections.abc import Callable, Iterable, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from meshdepict.errors import MeshdepictError
-from meshdepict.scales.ladder import FACING, TOLERANCE, Progress, checked_scale, reporter
+from meshdepict.scales.ladder import FACING, TOLERANCE
+from meshdepict.scales.normal_sets import NormalSets
 from meshdepict.shapes.table import html_table
 
 if TYPE_CHECKING:
@@ -24,17 +23,10 @@ if TYPE_CHECKING:
     from meshdepict.shapes.mesh import Mesh
     from meshdepict.transport.occlusion import Openness
 
-__all__ = ["Fill", "ScaleSpace"]
-
-Fill = Callable[[int, NDArray[np.float32], Callable[[float], None] | None], None]
-"""Fills an array (3, n) with a scale's normals, telling shares of the work that are done."""
+__all__ = ["ScaleSpace"]
 
 
-def _nothing(*_: Any) -> None:
-    """Fill in the normals of no samples."""
-
-
-class ScaleSpace:
+class ScaleSpace(NormalSets):
     """Positions and unit normals of samples at every scale, from fine to coarse.
 
     Made by `scale_space`. Shading functions take it and ask for nothing else. Each kind of shape
@@ -42,8 +34,8 @@ class ScaleSpace:
     smoothed (`_smoother`) and bend (`_principal`, `_turns`), what rays can meet (`surface`) and how
     values are averaged (`mean`).
 
-    A set of normals is there once `smooth` was asked for it, or as soon as it is read: one by
-    `normals_at` or `planes_at`, some by `planes_of`, all by `normals` or `planes`.
+    A set of normals is there once `smooth` was asked for it, or as soon as it is read; see
+    `NormalSets`.
 
     Attributes
     ----------
@@ -73,127 +65,16 @@ class ScaleSpace:
         facing: int = FACING,
         tolerance: float = TOLERANCE,
     ) -> None:
+        super().__init__(widths, own, planes)
         self.shape = shape
         self.points = points
-        self.widths = widths
         self.ratio = ratio
         self.facing = facing
         self.tolerance = tolerance
-        # Stored as (scale, axis, sample), so that kernels read each component in one sweep. Of the
-        # room for all sets only that takes memory which somebody has written to.
-        if planes is None:
-            planes = np.empty((len(widths), *own.shape), np.float32)
-            planes[0] = own
-        self._room = planes.data
-        self._sets: dict[int, NDArray[np.float32]] = {}
-        self._all: NDArray[np.float32] | None = None
-        self._smoothing = threading.RLock()
-        self._take(0)
         self._curvatures: dict[int, PrincipalCurvatures] = {}
         self._creases: dict[int, NDArray[np.float32]] = {}
         self._seen: dict[tuple[int, float], tuple[tuple[Any, ...], ViewCurvature]] = {}
         self._openness: dict[int, Openness] = {}
-
-    # --- normals ------------------------------------------------------------------------------
-
-    @property
-    def last(self) -> int:
-        """Number of the coarsest scale."""
-        return len(self.widths) - 1
-
-    @property
-    def smoothed(self) -> frozenset[int]:
-        """The scales whose normals are there by now."""
-        return frozenset(self._sets)
-
-    @property
-    def planes(self) -> NDArray[np.float32]:
-        """Unit normals (scales + 1, 3, n), read-only; smooths what is missing."""
-        self.smooth()
-        assert self._all is not None
-        return self._all
-
-    @property
-    def normals(self) -> NDArray[np.float32]:
-        """Unit normals (scales + 1, n, 3), a read-only view; smooths what is missing."""
-        return np.moveaxis(self.planes, 1, 2)
-
-    def planes_at(self, scale: int) -> NDArray[np.float32]:
-        """Return the unit normals (3, n) of a scale, read-only; smooths them if they aren't there.
-
-        Raises
-        ------
-        MeshdepictError
-            For a scale that isn't there.
-        """
-        scale = self._checked_scale(scale)
-        self.smooth((scale,))
-        return self._sets[scale]
-
-    def normals_at(self, scale: int) -> NDArray[np.float32]:
-        """Return the unit normals (n, 3) of a scale; see `planes_at`."""
-        return self.planes_at(scale).T
-
-    def planes_of(self, scales: Sequence[int]) -> NDArray[np.float32]:
-        """Return the unit normals (k, 3, n) of k scales in this order, read-only.
-
-        A copy, unless they follow each other.
-        """
-        self.smooth(scales)
-        first, planes = scales[0], np.asarray(self._room)
-        follow = list(scales) == list(range(first, first + len(scales)))
-        found = planes[first : first + len(scales)] if follow else planes[list(scales)]
-        found.setflags(write=False)
-        return found
-
-    def smooth(
-        self, scales: Iterable[int] | None = None, *, progress: Progress | None = None
-    ) -> None:
-        """Let the normals of some scales be there, with what they are made of.
-
-        Parameters
-        ----------
-        scales : iterable of int, optional
-            All unless given.
-        progress : callable, optional
-            ``progress(done, total)``, where there is something to be done.
-
-        Raises
-        ------
-        MeshdepictError
-            For a scale that isn't there.
-        """
-        every = range(len(self.widths))
-        wanted = set(every if scales is None else map(self._checked_scale, scales))
-        if wanted <= self._sets.keys():
-            return
-        with self._smoothing:
-            missing = self._missing(wanted)
-            fill = self._smoother() if len(self.points) else _nothing
-            for number, scale in enumerate(missing, 1):
-                done = reporter(progress, number, len(missing))
-                fill(scale, np.asarray(self._room)[scale], done)
-                self._take(scale)
-                if done:
-                    done(1.0)
-
-    def _take(self, scale: int) -> None:
-        """Let a set be there that has been filled in; nobody may write to it any more."""
-        found = np.asarray(self._room)
-        found.setflags(write=False)
-        self._sets[scale] = found[scale]
-        if len(self._sets) == len(self.widths):
-            self._all = found
-
-    def _missing(self, wanted: set[int]) -> list[int]:
-        """Return which scales are to be smoothed for some, fine to coarse."""
-        missing: set[int] = set()
-        while wanted:
-            scale = wanted.pop()
-            if scale not in self._sets and scale not in missing:
-                missing.add(scale)
-                wanted.update(self._made_from(scale))
-        return sorted(missing)
 
     @property
     def finest_width(self) -> float:
@@ -244,9 +125,6 @@ class ScaleSpace:
         self._seen[scale, foreshortening] = sight, seen
         return seen
 
-    def _checked_scale(self, scale: int) -> int:
-        return checked_scale(scale, self.last)
-
     def occlusion(self, rays: int = 256) -> NDArray[np.float32]:
         """Return the share of the light from all around that reaches each sample; computed once.
 
@@ -275,14 +153,6 @@ class ScaleSpace:
         return self
 
     # --- what depends on the kind of shape --------------------------------------------------
-
-    def _smoother(self) -> Fill:
-        """Return what fills in a scale's normals; those that it is made from are there."""
-        raise NotImplementedError
-
-    def _made_from(self, scale: int) -> tuple[int, ...]:
-        """Return the scales that this one is always made from."""
-        return (scale - 1,)
 
     @property
     def unit_points(self) -> NDArray[np.float64]:

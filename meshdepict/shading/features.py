@@ -282,6 +282,9 @@ def _scales_of(importance: ArrayLike | Samples | str, scale: int, last: int) -> 
     """Return the scales that an importance may choose; of a text any of them."""
     if isinstance(importance, str):
         return set(range(scale, last + 1))
-    share = np.clip(np.asarray(importance, np.float64), 0, 1)
+    share = np.asarray(importance, np.float64)
+    if not np.isfinite(share).all():
+        return set()  # which is refused as soon as it is looked at
+    share = np.clip(share, 0, 1)
     wanted = last - share * (last - scale)
     return {int(each) for each in np.unique([np.floor(wanted), np.ceil(wanted)])}

@@ -15,7 +15,7 @@ from meshdepict.drawing.picture import save_picture
 from meshdepict.drawing.picture_files import read_picture_provenance
 from meshdepict.drawing.volume_picture import plot_volume, save_volume_picture
 from meshdepict.errors import MeshdepictError
-from meshdepict.scales.grid_scales import sample_bytes
+from meshdepict.scales.grid_making import sample_bytes
 from meshdepict.scene.environment import Environment
 from meshdepict.shapes.mesh import Mesh
 from meshdepict.shapes.volume import Volume
@@ -167,7 +167,7 @@ def test_a_volume_that_cannot_be_lit_anew_is_shown_as_it_is(how, bakes, monkeypa
         sky = Environment(np.ones((4, 8, 3)))
         baked = bake_volume(bakes["volume"].space, "phong", light=sky)
     else:
-        from meshdepict.scales.grid_scales import grid_space
+        from meshdepict.scales.grid_making import grid_space
 
         volume = blobs()
         space = grid_space(volume, np.zeros(1), 2.0, where=volume.values > 120)

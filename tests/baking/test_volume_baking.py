@@ -10,7 +10,7 @@ from meshdepict.baking.look import bake_volume
 from meshdepict.baking.volumes import BakedVolume
 from meshdepict.color.transfer import TransferFunction
 from meshdepict.errors import MeshdepictError
-from meshdepict.scales.grid_scales import grid_space, sample_bytes
+from meshdepict.scales.grid_making import grid_space, sample_bytes
 from meshdepict.shading import METHODS, declaration
 from meshdepict.shapes.phantom import ct_phantom
 from meshdepict.shapes.volume import Volume

@@ -7,7 +7,8 @@ import pytest
 from conftest import rotation
 from scipy.special import erf
 
-from meshdepict.scales.grid_scales import GridSpace, grid_space
+from meshdepict.scales.grid_making import grid_space
+from meshdepict.scales.grid_scales import GridSpace
 from meshdepict.shapes.volume import Volume
 
 RADIUS = 9.0

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pickle
 from collections.abc import Callable
 from typing import Any
 
@@ -130,6 +131,10 @@ def test_scales_that_are_not_there_are_refused(made: Made) -> None:
             read(5)
     with pytest.raises(MeshdepictError, match="scale=5 is not one"):
         made(at_once=(5,))
+    with pytest.raises(MeshdepictError, match="True are no scales: give numbers"):
+        made(at_once=True)
+    with pytest.raises(MeshdepictError, match="scale='1' is not one of"):
+        made(at_once="1")
     assert space.smoothed == {0}
 
 
@@ -174,3 +179,14 @@ def test_where_the_paper_s_sum_cancels_the_next_finer_set_is_asked() -> None:
     space, full = scale_space(mesh, **widths, at_once=(2,)), scale_space(mesh, **widths)
     assert space.smoothed == {0, 1, 2}
     np.testing.assert_array_equal(space.normals, full.normals)
+
+
+def test_a_scale_space_can_be_sent_to_another_process(
+    made: Made, full: np.ndarray[Any, Any]
+) -> None:
+    there = pickle.loads(pickle.dumps(made(at_once=(2,))))
+    np.testing.assert_array_equal(there.normals, full)
+    np.testing.assert_array_equal(there.normals_at(3), full[3])
+    np.testing.assert_array_equal(there.planes_of((3, 1))[0], full[3].T)
+    assert not there.normals_at(1).flags.writeable
+    np.testing.assert_array_equal(there.curvature(1).k1, made(at_once=()).curvature(1).k1)
