@@ -76,6 +76,8 @@ class Figure:
                 raise MeshdepictError(
                     f"{name}={value!r} is not a number of {what} above 0 and below 1e9"
                 )
+        if not isinstance(self.scale_bar, bool):
+            raise MeshdepictError(f"scale_bar={self.scale_bar!r} is neither True nor False")
         if not isinstance(self.caption, str):
             raise MeshdepictError(f"caption={self.caption!r} is no text")
         object.__setattr__(self, "unit", _unit(self.unit))
