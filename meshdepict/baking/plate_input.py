@@ -77,6 +77,7 @@ def checked_options(options: object) -> Mapping[str, Mapping[str, Any]]:
 
 
 def turnable_shape(shape: object, look: Look) -> Mesh | Volume:
+    """Return a shape that can be turned, with the sides that a look chose."""
     if isinstance(shape, (ScaleSpace, GBuffer)):
         raise MeshdepictError(
             f"a {type(shape).__name__} can't be turned: give a path, a Mesh or a Volume"
@@ -85,6 +86,7 @@ def turnable_shape(shape: object, look: Look) -> Mesh | Volume:
 
 
 def shape_name(shape: object, place: int) -> str:
+    """Return what captions call a shape: as its file, else by its number."""
     if isinstance(shape, (str, os.PathLike)):
         return Path(shape).name.partition(".")[0]
     return str(place + 1)
