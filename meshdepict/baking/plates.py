@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
@@ -11,9 +10,15 @@ from typing import TYPE_CHECKING, Any
 
 from meshdepict.baking.look import Look
 from meshdepict.baking.plate_groups import Group, draw_groups
-from meshdepict.baking.surfaces import as_mesh
-from meshdepict.baking.volumes import as_volume, is_volume
-from meshdepict.drawing.arrangement import arranged, turn_names
+from meshdepict.baking.plate_input import (
+    checked_options,
+    common_unit,
+    main_and_turns,
+    plate_looks,
+    shape_name,
+    turnable_shape,
+)
+from meshdepict.drawing.arrangement import arranged
 from meshdepict.drawing.figure import Figure
 from meshdepict.drawing.page import Page, Picture, paint
 from meshdepict.drawing.paper_scale import paper_scale, pixels_at
@@ -21,14 +26,8 @@ from meshdepict.drawing.picture_files import encoded, write_page
 from meshdepict.drawing.plate_layout import NoRoomError, Plan, plan
 from meshdepict.errors import MeshdepictError
 from meshdepict.scales.ladder import Progress
-from meshdepict.scales.space import ScaleSpace
 from meshdepict.scene.names import LightsLike, is_several
 from meshdepict.scene.view import View
-from meshdepict.shading.method import declaration
-from meshdepict.shading.registry import find_method
-from meshdepict.shapes.gbuffer import GBuffer
-from meshdepict.shapes.mesh import Mesh
-from meshdepict.shapes.volume import Volume
 
 if TYPE_CHECKING:
     from PIL.Image import Image
@@ -151,18 +150,25 @@ def plate(
     pixels = figure.pixels
     if pixels is None:
         raise MeshdepictError("a plate's page needs a size, such as A4 or 210x297mm")
-    main, turns = _views(views)
+    main, turns = main_and_turns(views)
     lamps: list[Any] = list(lights) if is_several(lights) else [lights]
-    looks = _looks(methods, lamps, options or {}, {**chosen, "view": main})
+    if not lamps:
+        raise MeshdepictError("a plate needs a light: northwest, or another name")
+    own = {} if options is None else checked_options(options)
+    looks = plate_looks(methods, lamps, own, {**chosen, "view": main})
     given = list(shapes) if isinstance(shapes, (list, tuple)) else [shapes]
     if not given:
         raise MeshdepictError("a plate needs a shape: give a path, a Mesh or a Volume")
     figure = figure.on(
         "paper" if any(look.declared.ground == "paper" for look in looks) else "white"
     )
-    read = [_read(shape, looks[0]) for shape in given]
+    read = [turnable_shape(shape, looks[0]) for shape in given]
     poses = [looks[0].posed(shape) for shape in read]
-    called = list(names) if names else [_name(shape, i) for i, shape in enumerate(given)]
+    called = [shape_name(shape, i) for i, shape in enumerate(given)]
+    if names is not None:
+        if not isinstance(names, (list, tuple)) or not all(isinstance(n, str) for n in names):
+            raise MeshdepictError(f"names={names!r} is no list of texts")
+        called = list(names)
     if len(called) != len(read):
         raise MeshdepictError(f"there are {len(read)} shapes and {len(called)} names for them")
     if figure.caption == "auto":
@@ -175,7 +181,7 @@ def plate(
         for look in [look.replace(up=pose.up, view=pose.view) for look in looks]
         for eye in [look.of_kind(shape.kind).eye(shape)]
     ]
-    unit = figure.unit or _common_unit(read)
+    unit = figure.unit or common_unit(read)
     layout = _planned(groups, figure, _columns(len(read), looks, len(lamps)), unit, scale)
     pictures, facts = draw_groups(groups, layout.spots, figure.ground, progress)
     page = Page(pixels, figure.ground, (*pictures, *layout.parts), figure.dpi)
@@ -185,70 +191,6 @@ def plate(
         filter(None, (f"{layout.pixels_per_unit:.6g} pixels per {unit or 'unit'}", ratio))
     )
     return Plate(page, facts, layout.pixels_per_unit, ratio)
-
-
-def _views(views: str | View | Sequence[str | View]) -> tuple[str | View, list[str]]:
-    """Return the main view and its turns."""
-    if isinstance(views, str):
-        words: list[Any] = [word.strip() for word in views.split(",") if word.strip()]
-    else:
-        words = [views] if isinstance(views, View) else list(views)
-    if not words:
-        raise MeshdepictError("a plate needs a view: front, or another name, and turns of it")
-    return words[0], turn_names(words[1:])
-
-
-def _looks(
-    methods: str | Callable[..., Any] | Sequence[str | Callable[..., Any]],
-    lights: Sequence[Any],
-    options: Mapping[str, Mapping[str, Any]],
-    chosen: Mapping[str, Any],
-) -> list[Look]:
-    """Return the looks, light by light of each method that has any."""
-    several = isinstance(methods, (list, tuple))
-    wanted: list[Any] = list(methods) if several else [methods]  # type: ignore[arg-type]
-    if not wanted:
-        raise MeshdepictError("a plate needs a method: exaggerated, or another name")
-    if chosen.get("refine") is not None:
-        raise MeshdepictError("refine makes other meshes: leave it out of a plate")
-    looks = []
-    for method in wanted:
-        function = find_method(method)
-        own = options.get(function.__name__, {})
-        lit = declaration(function).lights != "none"  # else all lights are one
-        looks += [
-            Look(function, **chosen, **own, light=light) for light in lights[: None if lit else 1]
-        ]
-    known = {look.method for look in looks}
-    for name in options:
-        if name not in known:
-            raise MeshdepictError(f"options are given for {name}, which the plate doesn't show")
-    return looks
-
-
-def _read(shape: object, look: Look) -> Mesh | Volume:
-    if isinstance(shape, (ScaleSpace, GBuffer)):
-        raise MeshdepictError(
-            f"a {type(shape).__name__} can't be turned: give a path, a Mesh or a Volume"
-        )
-    return as_volume(shape) if is_volume(shape) else look.surface(as_mesh(shape))
-
-
-def _name(shape: object, place: int) -> str:
-    if isinstance(shape, (str, os.PathLike)):
-        return Path(shape).name.partition(".")[0]
-    return str(place + 1)
-
-
-def _common_unit(shapes: Sequence[Mesh | Volume]) -> str:
-    """Return the unit of all shapes' coordinates; of those that don't say, what the others say."""
-    units = dict.fromkeys(shape.length_unit for shape in shapes if shape.length_unit)
-    if len(units) > 1:
-        raise MeshdepictError(
-            f"the shapes are measured in {' and '.join(units)}, and a plate has one scale: bring "
-            "them to one unit"
-        )
-    return next(iter(units), "")
 
 
 def _columns(shapes: int, looks: Sequence[Look], lights: int) -> Sequence[int]:

@@ -82,7 +82,7 @@ def turn_names(names: Sequence[str]) -> list[str]:
     MeshdepictError
         For a word that is none.
     """
-    known = [_ALIKE.get(name, name) for name in names]
+    known = [_ALIKE.get(name, name) if isinstance(name, str) else "" for name in names]
     for name, word in zip(known, names, strict=True):
         if name not in TURNS:
             raise MeshdepictError(

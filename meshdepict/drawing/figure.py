@@ -18,6 +18,7 @@ __all__ = ["Figure", "check_pixels", "summary"]
 
 _PER_INCH = {"cm": 2.54, "mm": 25.4, "in": 1.0}
 _SIZE = re.compile(r"(\d+(?:\.\d+)?)x(\d+(?:\.\d+)?)(px|cm|mm|in)?")
+_NUMBER = re.compile(r"\d+\.\d+(?:e[-+]\d+)?")
 _PAPER = re.compile(r"a([0-6])(landscape)?")
 _A0 = 841, 1189  # mm; each of the following is half of the one before
 _PRINT = 300.0  # dots per inch that printers ask for, where a size on paper comes without
@@ -75,6 +76,8 @@ class Figure:
                 raise MeshdepictError(
                     f"{name}={value!r} is not a number of {what} above 0 and below 1e9"
                 )
+        if not isinstance(self.scale_bar, bool):
+            raise MeshdepictError(f"scale_bar={self.scale_bar!r} is neither True nor False")
         if not isinstance(self.caption, str):
             raise MeshdepictError(f"caption={self.caption!r} is no text")
         object.__setattr__(self, "unit", _unit(self.unit))
@@ -122,9 +125,10 @@ class Figure:
         """
         if self.caption != "auto":
             return self
-        text = summary(facts)
-        measured = " width" in text
-        return replace(self, caption=f"{text} {self.unit or unit}".rstrip() if measured else text)
+        text, word, widths = summary(facts).partition(" width")
+        widths = _NUMBER.sub(lambda found: f"{float(found[0]):.3g}", widths)
+        measured = f"{word}{widths} {self.unit or unit}".rstrip() if word else ""
+        return replace(self, caption=text + measured)
 
     def letters(self, size: tuple[int, int]) -> int:
         """Height of letters in pixels in a picture of a size."""

@@ -64,7 +64,7 @@ def read_svg_lines(path: str | Path) -> list[str] | None:
 
 def _picture(part: Picture) -> str:
     stream = io.BytesIO()
-    part.image.save(stream, format="PNG", optimize=True)
+    part.image.save(stream, format="PNG")
     code = base64.b64encode(stream.getvalue()).decode()
     width, height = part.image.size
     return (

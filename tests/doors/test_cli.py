@@ -8,8 +8,7 @@ import pytest
 from conftest import PATIENCE
 
 import meshdepict as md
-from meshdepict.baking import batch
-from meshdepict.commands import report
+from meshdepict.baking import batch, method_list
 
 # --- help -----------------------------------------------------------------------------------------
 
@@ -181,7 +180,7 @@ def test_the_system_s_errors_are_one_line_too(run, monkeypatch):
     def refuse():
         raise PermissionError(13, "Permission denied", "/etc/secret")
 
-    monkeypatch.setattr(report, "methods", refuse)
+    monkeypatch.setattr(method_list, "methods", refuse)
     assert run("methods") == (2, [], ["meshdepict: /etc/secret: Permission denied"])
 
 
@@ -189,7 +188,7 @@ def test_out_of_memory_anywhere_is_one_line(run, monkeypatch):
     def exhaust():
         raise MemoryError
 
-    monkeypatch.setattr(report, "methods", exhaust)
+    monkeypatch.setattr(method_list, "methods", exhaust)
     assert run("methods") == (2, [], ["meshdepict: out of memory"])
 
 

@@ -49,6 +49,8 @@ CALLS: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {
     "bake": (md.bake, {"shape": BALL, "scales": 1}),
     "bake an image": (md.bake, {"shape": IMAGE, "scales": 1}),
     "bake_volume": (md.bake_volume, {"volume": CT, "scales": 1}),
+    "plate": (md.plate, {"shapes": BALL, "methods": "lambert", "size": (80, 90), "views": "front"}),
+    "methods": (md.methods, {}),
     "scale_space": (md.scale_space, {"shape": BALL, "scales": 1}),
     "smooth_normals": (md.smooth_normals, {"mesh": BALL, "width": 0.1}),
     "Session": (Session, {"shape": BALL, "scales": 1}),

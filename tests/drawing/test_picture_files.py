@@ -257,7 +257,9 @@ def test_a_caption_says_method_light_and_widths_when_asked(ball, tmp_path):
         baked.picture(tmp_path / "b.svg", size=(900, 300), caption="auto")
     ).getroot()
     (text,) = [each.text for each in root.iter(f"{SVG}text")]
-    assert re.fullmatch(r"exaggerated, light east, 3 widths [\d.]+ to [\d.]+", text)
+    found = re.fullmatch(r"exaggerated, light east, 3 widths ([\d.]+) to ([\d.]+)", text)
+    widths = [float(number) for number in found.groups()]
+    assert widths == pytest.approx(baked.space.widths[[1, -1]], rel=5e-3)
     root = ElementTree.parse(
         baked.picture(tmp_path / "b.svg", size=(900, 300), caption="auto", unit="cm")
     ).getroot()

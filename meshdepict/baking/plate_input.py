@@ -1,0 +1,103 @@
+"""What a plate is asked for: views, looks, shapes, each checked before any work."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from meshdepict.baking.look import Look
+from meshdepict.baking.surfaces import as_mesh
+from meshdepict.baking.volumes import as_volume, is_volume
+from meshdepict.drawing.arrangement import turn_names
+from meshdepict.errors import MeshdepictError
+from meshdepict.scales.space import ScaleSpace
+from meshdepict.scene.view import View
+from meshdepict.shading.method import declaration
+from meshdepict.shading.registry import find_method
+from meshdepict.shapes.gbuffer import GBuffer
+from meshdepict.shapes.mesh import Mesh
+from meshdepict.shapes.volume import Volume
+
+__all__ = [
+    "checked_options", "common_unit", "main_and_turns", "plate_looks", "shape_name",
+    "turnable_shape",
+]  # fmt: skip
+
+
+def main_and_turns(views: str | View | Sequence[str | View]) -> tuple[str | View, list[str]]:
+    """Return the main view and its turns."""
+    if isinstance(views, str):
+        words: list[Any] = [word.strip() for word in views.split(",") if word.strip()]
+    else:
+        words = [views] if isinstance(views, View) else []
+        if isinstance(views, (list, tuple)):
+            words = list(views)
+    if not words:
+        raise MeshdepictError("a plate needs a view: front, or another name, and turns of it")
+    return words[0], turn_names(words[1:])
+
+
+def plate_looks(
+    methods: str | Callable[..., Any] | Sequence[str | Callable[..., Any]],
+    lights: Sequence[Any],
+    options: Mapping[str, Mapping[str, Any]],
+    chosen: Mapping[str, Any],
+) -> list[Look]:
+    """Return the looks, light by light of each method that has any."""
+    several = isinstance(methods, (list, tuple))
+    wanted: list[Any] = list(methods) if several else [methods]  # type: ignore[arg-type]
+    if not wanted:
+        raise MeshdepictError("a plate needs a method: exaggerated, or another name")
+    if chosen.get("refine") is not None:
+        raise MeshdepictError("refine makes other meshes: leave it out of a plate")
+    looks = []
+    for method in wanted:
+        function = find_method(method)
+        own = options.get(function.__name__, {})
+        lit = declaration(function).lights != "none"  # else all lights are one
+        looks += [
+            Look(function, **chosen, **own, light=light) for light in lights[: None if lit else 1]
+        ]
+    known = {look.method for look in looks}
+    for name in options:
+        if name not in known:
+            raise MeshdepictError(f"options are given for {name}, which the plate doesn't show")
+    return looks
+
+
+def checked_options(options: object) -> Mapping[str, Mapping[str, Any]]:
+    """Return options by method, checked as far as their form goes."""
+    if not isinstance(options, Mapping) or not all(
+        isinstance(own, Mapping) for own in options.values()
+    ):
+        raise MeshdepictError(f"options={options!r} are not {{method: {{option: value}}}}")
+    return options
+
+
+def turnable_shape(shape: object, look: Look) -> Mesh | Volume:
+    """Return a shape that can be turned, with the sides that a look chose."""
+    if isinstance(shape, (ScaleSpace, GBuffer)):
+        raise MeshdepictError(
+            f"a {type(shape).__name__} can't be turned: give a path, a Mesh or a Volume"
+        )
+    return as_volume(shape) if is_volume(shape) else look.surface(as_mesh(shape))
+
+
+def shape_name(shape: object, place: int) -> str:
+    """Return what captions call a shape: as its file, else by its number."""
+    if isinstance(shape, (str, os.PathLike)):
+        return Path(shape).name.partition(".")[0]
+    return str(place + 1)
+
+
+def common_unit(shapes: Sequence[Mesh | Volume]) -> str:
+    """Return the unit of all shapes' coordinates; of those that don't say, what the others say."""
+    units = dict.fromkeys(shape.length_unit for shape in shapes if shape.length_unit)
+    if len(units) > 1:
+        raise MeshdepictError(
+            f"the shapes are measured in {' and '.join(units)}, and a plate has one scale: bring "
+            "them to one unit"
+        )
+    return next(iter(units), "")
