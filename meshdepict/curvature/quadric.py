@@ -56,7 +56,11 @@ def quadric_curvatures(
 
     surface = Welded(mesh)
     unit = mesh.diagonal or 1.0
-    wanted = _DEFAULT_EDGES * mesh.edge_length if radius is None else resolve_width(radius, mesh)
+    wanted = (
+        _DEFAULT_EDGES * mesh.edge_length
+        if radius is None
+        else resolve_width(radius, mesh, averages=False)
+    )
     normals = surface.gathered(mesh.normals)
     normals.setflags(write=False)
     k, directions = _fitted(surface, normals, min(wanted / unit, _ALL / 2))

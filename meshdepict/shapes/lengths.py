@@ -20,7 +20,13 @@ __all__ = ["counts_pixels", "pixel_size", "resolve_width"]
 _PIXELS = "px"
 
 
-def resolve_width(width: float | str | None, shape: Shape, view: View | None = None) -> float:
+def resolve_width(
+    width: float | str | None,
+    shape: Shape,
+    view: View | None = None,
+    *,
+    averages: bool = True,
+) -> float:
     """Return a width in world units: a number, "0.2%" of the diagonal, "3px" of a view, or None.
 
     None is the shape's own step: a mesh's median edge, a volume's largest spacing, a pixel. Of
@@ -33,6 +39,8 @@ def resolve_width(width: float | str | None, shape: Shape, view: View | None = N
         An image has pixels of its own.
     view : View, optional
         Whose pixels are meant; see `pixel_size`.
+    averages : bool
+        Whether it is the width of averages, of which one beyond the shape is warned of.
 
     Raises
     ------
@@ -56,7 +64,7 @@ def resolve_width(width: float | str | None, shape: Shape, view: View | None = N
             "diagonal), '3px' (pixels of the view) or '0.2%,3px' (the larger)"
         )
     resolved = max(lengths)
-    if resolved > shape.diagonal > 0:
+    if averages and resolved > shape.diagonal > 0:
         warnings.warn(
             f"width={width!r} is more than the object's diagonal of {shape.diagonal:.4g}: every "
             "scale is one average of all of it (unless given, the width is "

@@ -14,7 +14,7 @@ pytestmark = pytest.mark.slow
 SIZE = 400, 300
 SETTINGS = {
     "lambert": {},
-    "exaggerated": {},
+    "exaggerated": {"exaggeration": 15.0},
     "light_alignment": {},
     "radiance_scaling": {"material": "lambert", "curvature": "view"},
     "light_warping": {"curvature": "view", "magnitude": 16.62},

@@ -53,8 +53,8 @@ METHODS = {
     "scaled": (shading.radiance_scaling, {"magnitude": 4.0}),
     "slanted": (shading.radiance_scaling, {"magnitude": 4.0, "anisotropy": 0.5}),
     "both": (shading.radiance_scaling, {"magnitude": 4.0, "warping": 4.0}),
-    "warped": (shading.light_warping, {}),
-    "seen": (shading.light_warping, {"curvature": "view"}),
+    "warped": (shading.light_warping, {"magnitude": 6.0}),
+    "seen": (shading.light_warping, {"magnitude": 6.0, "curvature": "view"}),
 }
 
 

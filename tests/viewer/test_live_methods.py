@@ -45,8 +45,8 @@ OPTIONS = {
         {"curvature": "view", "warping": 4.0, "shininess": 40.0},
         {"curvature": "view", "anisotropy": -1.0, "gain": 1.0},
         {"curvature": "view", "foreshortening": 0.4},
-        {"magnitude": 20.0, "gain": 10.0, "shininess": 60.0},
-        {"magnitude": 20.0, "gain": 10.0, "exposure": 0.05},
+        {"magnitude": 20.0, "gain": 10.0, "ambient_magnitude": 0.0, "shininess": 60.0},
+        {"magnitude": 20.0, "gain": 10.0, "ambient_magnitude": 0.0, "exposure": 0.05},
     ],
     "light_warping": [
         {"material": "phong", "contrast": -0.5, "shininess": 5.0},
