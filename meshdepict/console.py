@@ -6,6 +6,7 @@ import re
 import sys
 import threading
 import warnings
+from collections import Counter
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -46,23 +47,27 @@ class Heard:
     """
 
     def __init__(self) -> None:
-        self._files: dict[str, list[str]] = {}  # by what is said, figures left out
+        self._first: dict[str, str] = {}  # by what is said, figures left out
+        self._files: Counter[str] = Counter()
 
     def fresh(self, path: Path | None, messages: Iterable[str]) -> list[str]:
         """Return the messages that no earlier file had."""
         new = []
         for message in messages:
-            files = self._files.setdefault(_FIGURES.sub("#", _after(path, message)), [])
-            files.append(_after(path, message))
-            if len(files) == 1:
+            text = _after(path, message)
+            said = _FIGURES.sub("#", text)
+            self._files[said] += 1
+            if said not in self._first:
+                self._first[said] = text
                 new.append(message)
         return new
 
     def tell(self) -> None:
         """Say of how many files more each note was true."""
-        for first, *others in self._files.values():
+        for said, first in self._first.items():
+            others = self._files[said] - 1
             if others:
-                many = "1 more file" if len(others) == 1 else f"{len(others):,} more files"
+                many = "1 more file" if others == 1 else f"{others:,} more files"
                 complain(f"note: of {many}, too: {first}")
 
 

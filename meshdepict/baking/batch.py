@@ -192,17 +192,17 @@ class Batch:
             self.taken.append(look)
             baked.save(job.output)
             if job.first:
-                job = self._show_first(baked, job)
+                job = self._show_first(baked, job, look)
             elif job.picture:
                 save_picture(baked, job.picture, self.figure)
             for text in self._remarks(baked, job.output):
                 warnings.warn(text, MeshdepictWarning, stacklevel=2)
         return _caption(job, baked, time.perf_counter() - start)
 
-    def _show_first(self, baked: Baked, job: Job) -> Job:
+    def _show_first(self, baked: Baked, job: Job, look: Look) -> Job:
         """Draw before and after; where nothing can be drawn, leave the picture out with a note."""
         assert job.picture is not None
-        before = bake_surface(baked.shape, self.taken[-1].replace(method=_BEFORE))
+        before = bake_surface(baked.shape, look.replace(method=_BEFORE))
         captions = f"before: {_BEFORE}", f"after: {self.look.method}"
         try:
             page = before_after((before, baked), captions)

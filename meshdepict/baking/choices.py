@@ -32,7 +32,6 @@ if TYPE_CHECKING:
     from meshdepict.scales.reads import Reads
     from meshdepict.scales.space import ScaleSpace
     from meshdepict.shading.method import Declaration
-    from meshdepict.shapes.mesh import Mesh
 
 __all__ = ["AUTO", "LADDER", "SIDES", "Choices", "choice_fields", "takes_choices"]
 
@@ -246,35 +245,6 @@ class Choices:
     def axis(self, kind: str) -> str:
         """Return which axis points up of a kind of shape: as chosen, else as usual."""
         return self.up or ("z" if kind == VOLUME else "y")
-
-    def surface(self, mesh: Mesh) -> Mesh:
-        """Return a mesh with the normals that were chosen: parted at creases, or the file's."""
-        from meshdepict.shapes.parted import PartedMesh
-
-        if isinstance(mesh, PartedMesh):  # made with choices of its own
-            made = (mesh.creases, mesh.chosen_normals)
-            if made == (self.creases, self.normals) or not self.words().keys() & set(SIDES):
-                return mesh
-            return self.surface(mesh.before)
-        if self.normals == "file":
-            from meshdepict.shapes.own_normals import with_own_normals
-
-            found = with_own_normals(mesh)
-            where = "that have several normals in the file"
-        elif self.creases is not None:
-            from meshdepict.shapes.parted import parted_at_creases
-
-            found = parted_at_creases(mesh, self.creases)
-            where = f"at edges sharper than {self.creases:g}°"
-        else:
-            return mesh
-        if found.added:
-            warnings.warn(
-                f"{found.added:,} vertices were added for those {where}",
-                MeshdepictWarning,
-                stacklevel=3,
-            )
-        return found
 
     def posed(self, shape: Any) -> Self:
         """Return these choices with what suits a shape where up and view are "auto"."""

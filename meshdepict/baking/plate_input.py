@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from meshdepict.baking.chosen_normals import with_chosen_normals
 from meshdepict.baking.look import Look
 from meshdepict.baking.surfaces import as_mesh
 from meshdepict.baking.volumes import as_volume, is_volume
@@ -82,7 +83,7 @@ def turnable_shape(shape: object, look: Look) -> Mesh | Volume:
         raise MeshdepictError(
             f"a {type(shape).__name__} can't be turned: give a path, a Mesh or a Volume"
         )
-    return as_volume(shape) if is_volume(shape) else look.surface(as_mesh(shape))
+    return as_volume(shape) if is_volume(shape) else with_chosen_normals(as_mesh(shape), look)
 
 
 def shape_name(shape: object, place: int) -> str:

@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from meshdepict import color
 from meshdepict.baking.baked import Baked
-from meshdepict.baking.choices import LADDER, SIDES, Choices, choice_fields
+from meshdepict.baking.choices import LADDER, Choices, choice_fields
+from meshdepict.baking.chosen_normals import refuse_other_sides, sides_of, with_chosen_normals
 from meshdepict.baking.clipping import warn_of_clipping
 from meshdepict.baking.provenance import describe, was_baked
 from meshdepict.baking.sheets import warn_of_backs
@@ -42,9 +43,9 @@ def bake_surface(shape: object, look: Choices, *, progress: Progress | None = No
     sampled = shape.shape if isinstance(shape, ScaleSpace) else shape
     mesh = sampled if isinstance(sampled, GBuffer) else as_mesh(sampled)
     if isinstance(mesh, Mesh) and not isinstance(shape, ScaleSpace):
-        mesh = look.surface(mesh)
-    _refuse_other_sides(mesh, look)
-    look = look.replace(**_sides(mesh))
+        mesh = with_chosen_normals(mesh, look)
+    refuse_other_sides(mesh, look)
+    look = look.replace(**sides_of(mesh))
     own = own_colors(mesh) if look.albedo == "keep" else None
     look = look.posed(mesh)
     eye = look.eye(mesh)
@@ -97,25 +98,6 @@ def bake_surface(shape: object, look: Choices, *, progress: Progress | None = No
         space=None if look.refine is not None else space, shade=each if local else None,
         look=look.replace(light=lamp),
     )  # fmt: skip
-
-
-def _sides(shape: Mesh | GBuffer) -> dict[str, object]:
-    """Return the choices that a mesh's sides were made with."""
-    return {"creases": getattr(shape, "creases", None)} | {
-        "normals": getattr(shape, "chosen_normals", choice_fields()["normals"].default)
-    }
-
-
-def _refuse_other_sides(shape: Mesh | GBuffer, chosen: Choices) -> None:
-    """Refuse to ask a finished surface for what it wasn't made with."""
-    made = _sides(shape)
-    for name in SIDES:
-        value = getattr(chosen, name)
-        if value not in (choice_fields()[name].default, made[name]):
-            raise MeshdepictError(
-                f"{name}={value!r} is about a mesh that is yet to be sampled: leave it out, or "
-                "bake the mesh"
-            )
 
 
 def _kind(shape: object) -> str | None:

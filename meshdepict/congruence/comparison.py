@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from meshdepict import color
 from meshdepict.baking.choices import SIDES
+from meshdepict.baking.chosen_normals import with_chosen_normals
 from meshdepict.baking.look import Look
 from meshdepict.baking.surfaces import as_mesh
 from meshdepict.congruence.judging import Judge, light_directions, picture
@@ -177,7 +178,7 @@ def compare(
     functions = _by_name(usual_methods() if methods is None else methods)
     chosen = _options(functions, options or {})
     seen = Look(view=view, up=up, creases=creases, normals=normals)
-    mesh = seen.surface(as_mesh(shape))
+    mesh = with_chosen_normals(as_mesh(shape), seen)
     seen = seen.posed(mesh)
     made = {name: value for name, value in seen.words().items() if name in SIDES}
     view = seen.view

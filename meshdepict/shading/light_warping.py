@@ -147,8 +147,8 @@ def light_warping(
         "directions" evaluates eq. 1 over as many directions as `lights` says, looking up W(l) in
         an Environment: slow, and what eq. 2 converges to.
     lights : int
-        Into how many an Environment is sampled: on four panoramas 16 are off by 2 to 4 grey levels
-        (rms) under a matt material and by 3 to 6 with highlights, 54 by 1 and 2.
+        Into how many an Environment is sampled: on four panoramas 16 are off by 3 to 5 grey levels
+        (rms) with a matt material and with highlights, 54 by 1 and 1 to 2.4.
     illumination : {"lights", "occlusion"}
         "occlusion": (1/π) ∫ ⟨n·l⟩ V(W(l)) dl, whatever the light and the material.
     importance : str or array_like in [0, 1], optional

@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from meshdepict import color
 from meshdepict.baking.baked import Baked
 from meshdepict.baking.choices import Choices, choice_fields
+from meshdepict.baking.chosen_normals import with_chosen_normals
 from meshdepict.baking.look import Look, bake
 from meshdepict.baking.pixel_widths import measured
 from meshdepict.baking.surfaces import as_mesh
@@ -72,7 +73,7 @@ class Session:
         **chosen: Any,
     ) -> None:
         look = Look(method, **chosen)
-        self.shape = look.surface(as_mesh(shape))
+        self.shape = with_chosen_normals(as_mesh(shape), look)
         self._begin(look, progress)
         self._first = self.look_now()
 

@@ -114,7 +114,9 @@ def checked_direction(direction: ArrayLike) -> Floats:
     if error < 1e-14:
         return matrix
     u, _, vh = np.linalg.svd(matrix)
-    return u @ vh
+    nearest = u @ vh
+    # One step of Newton's: what rounding left, a few steps of double precision, becomes one or two.
+    return nearest @ (1.5 * np.eye(3) - 0.5 * (nearest.T @ nearest))
 
 
 def _floats(numbers: ArrayLike) -> Floats:

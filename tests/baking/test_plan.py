@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from test_computed import COMPUTED, Row
+from test_computed import COMPUTED, Row, shapes  # noqa: F401
 
 import meshdepict as md
 from meshdepict import threads
@@ -17,20 +17,14 @@ from meshdepict.errors import MeshdepictError
 from meshdepict.sums.gaussian import gaussian_sums, predicted_seconds
 
 
-@pytest.fixture(scope="module")
-def shapes() -> dict[str, Any]:
-    ball = md.samples.golf_ball(600, dimples=12, depth=0.05)
-    return {
-        "mesh": ball,
-        "volume": md.samples.ct_phantom((12, 14, 10)),
-        "image": md.GBuffer.of(ball, "front", size=(40, 40)),
-    }
-
-
 @pytest.mark.parametrize("kind", ["mesh", "volume", "image"])
 @pytest.mark.parametrize(("method", "options", "row"), COMPUTED, ids=str)
 def test_the_plan_has_as_many_steps_as_are_written_down(
-    kind: str, method: str, options: dict[str, Any], row: Row, shapes: dict[str, Any]
+    kind: str,
+    method: str,
+    options: dict[str, Any],
+    row: Row,
+    shapes: dict[str, Any],  # noqa: F811
 ) -> None:
     if kind != "mesh" and "facing" in options:
         pytest.skip("facing is about meshes")
@@ -55,7 +49,7 @@ def test_sets_on_the_way_to_a_coarser_one_are_said_to_be() -> None:
     assert plan(ball, Choices("normal_enhancement", facing=0)).sets == (5,)
 
 
-def test_a_plan_has_the_widths_of_the_bake(shapes: dict[str, Any]) -> None:
+def test_a_plan_has_the_widths_of_the_bake(shapes: dict[str, Any]) -> None:  # noqa: F811
     for width in (None, 0.1, "5%", "20px"):
         look = Choices("light_alignment", width=width)
         baked = md.bake(shapes["mesh"], "light_alignment", width=width)
