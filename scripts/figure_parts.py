@@ -11,7 +11,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from figure_objects import manuscript, skull, terrain
 from PIL import Image, ImageDraw, ImageFont
+from scipy.ndimage import gaussian_filter
 
 import meshdepict as md
 from meshdepict import color
@@ -55,6 +57,10 @@ def figure(title: str) -> Callable[[Draw], Draw]:
 @lru_cache(maxsize=4)
 def mesh(name: str, folder: Path | None, vertices: int) -> md.Mesh:
     """Return an object: procedural, a scan of the data folder, or without one the golf ball."""
+    if name in ("manuscript", "blank page"):
+        return manuscript(vertices, written=name == "manuscript")
+    if name in ("terrain", "skull"):
+        return (terrain if name == "terrain" else skull)(folder, vertices)
     if name == "ridges":
         return samples.radiating_ridges(vertices, hill=0.15)
     if name == "sphere":
@@ -122,14 +128,18 @@ class Shot:
     def __init__(self, buffer: GBuffer, *, folder: Path | None = None, up: str = "y") -> None:
         self.buffer, self.folder, self.up = buffer, folder, up
 
-    def environment(self, name: str) -> md.Environment:
-        """Return an environment, so bright that matt white shows ½ on average."""
+    def environment(self, name: str, *, turn: float = 0.0) -> md.Environment:
+        """Return an environment, turned by degrees about its upright axis.
+
+        It is so bright that matt white shows ½ on average.
+        """
         if self.folder is not None:
             pixels = md.Environment.from_file(self.folder / "env" / f"{name}.hdr").pixels
         else:
             rows, columns = np.mgrid[0:32, 0:64]
             sky = np.exp(-((rows - 8) ** 2 + (columns - 44) ** 2) / 8.0)
             pixels = (0.2 + 9 * sky)[..., None] * [1, 0.9, 0.8]
+        pixels = np.roll(pixels, round(pixels.shape[1] * turn / 360), axis=1)
         found = md.Environment(pixels, up=self.up)
         shown = found.irradiance(self.buffer.normals[:: 1 + len(self.buffer.normals) // 500])
         return md.Environment(pixels / (2 * shown.mean() / np.pi), up=self.up, name=name)
@@ -176,6 +186,11 @@ class Shot:
         shown = color.encode(np.asarray(values, np.float32), linear=linear, colormap=colormap)
         return Image.fromarray(self.buffer.image(shown, background=BACKGROUND))
 
+    def detail(self, values: Any, *, linear: bool = False) -> Any:
+        """Return by how much samples are brighter than what is around them, as `detail` does."""
+        shown = color.encode(np.asarray(values, np.float32), linear=linear)
+        return detail(self.buffer.image(shown), self.buffer.mask)
+
     @cached_property
     def judge(self) -> Judge:
         """Scores congruence in this view."""
@@ -186,6 +201,17 @@ class Shot:
     def score(self, values: Any) -> float:
         """Return the congruence of linear values with the shape."""
         return self.judge.score(self.buffer.image(values))
+
+
+def detail(pixels: Any, mask: Any) -> Any:
+    """Return by how much display colours within a mask are brighter than what is around them.
+
+    That is their mean under a Gaussian whose width is a fiftieth of the picture's.
+    """
+    tones = np.where(mask, pixels[..., :3] / 255 @ [0.2126, 0.7152, 0.0722], 0)
+    width = mask.shape[1] / 50
+    share = gaussian_filter(mask.astype(float), width)
+    return tones[mask] - gaussian_filter(tones, width)[mask] / share[mask]
 
 
 def page(rows: Sequence[Sequence[tuple[str, Image.Image]]]) -> Image.Image:

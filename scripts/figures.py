@@ -1,6 +1,6 @@
 """Draw figures of the four papers again, with the objects at hand.
 
-    python scripts/figures.py -o figures/                 # all of them, two minutes
+    python scripts/figures.py -o figures/                 # all of them, four minutes
     python scripts/figures.py ES1 RS4 --size 500
     MESHDEPICT_DATA=scans python scripts/figures.py LLA14
 
@@ -18,6 +18,7 @@ import warnings
 from pathlib import Path
 
 import figures_es
+import figures_es_uses
 import figures_lla
 import figures_lw
 import figures_rs
@@ -25,7 +26,13 @@ from figure_parts import FIGURES, Stage
 
 import meshdepict as md
 
-MODULES = (figures_es, figures_lw, figures_rs, figures_lla)  # importing them enters their figures
+MODULES = (
+    figures_es,
+    figures_es_uses,
+    figures_lw,
+    figures_rs,
+    figures_lla,
+)  # importing them enters their figures
 
 
 def main() -> None:

@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
-from figure_parts import Stage, figure, page
+from figure_parts import Stage, drawing, figure, page
+from numpy.typing import NDArray
 from PIL import Image
+from scipy.ndimage import gaussian_filter1d
 
+import meshdepict as md
+from meshdepict.color.colormaps2d import mix
 from meshdepict.shading.bands import band_weights
 from meshdepict.shading.exaggerated import local_light, soft_toon
 
@@ -28,6 +32,36 @@ def es1(stage: Stage) -> Image.Image:
         spread = ", ".join(f"{name} {values[here].std():.2f}" for name, here in places.items())
         shown = shot.picture(values, colormap="gooch")
         row.append((f"{words}\ncontrast, facing the light: {spread}", shown))
+    return page([row])
+
+
+def relief(space: md.ScaleSpace, exaggeration: float, emphasis: float) -> NDArray[np.float64]:
+    """Return eq. 2 at every scale, under one light for all, as the paper shades terrain."""
+    weights = band_weights(space.widths, space.ratio, emphasis=emphasis, contrast=1.0)
+    terms = [soft_toon(space.normals_at(i) @ WEST, exaggeration) for i in range(len(weights))]
+    return 0.5 + 0.5 * weights @ np.array(terms)
+
+
+@figure("Terrain: diffuse light, broad forms as drawn by hand, and more detail")
+def es2(stage: Stage) -> Image.Image:
+    shot = stage.look("terrain", zoom=1.4)
+    space = shot.vertices(scales=9, facing=0)
+    broad = shot.buffer.sample(space.normals_at(6))
+    away = np.degrees(np.arctan2(broad[:, 1], broad[:, 0])) - 135  # from the light, round the map
+    side = np.round(np.abs((away + 180) % 360 - 180) / 30)
+    slopes = np.hypot(broad[:, 0], broad[:, 1]) > np.sin(np.radians(8))
+    row = []
+    for words, values in (
+        ("diffuse", 0.5 + 0.5 * space.normals_at(0) @ NORTHWEST),
+        ("as by hand: one light, a = 3, k ∝ σ^0", relief(space, 3.0, 0.0)),
+        ("more detail: local light, a = 25, k ∝ σ^−½",
+         md.shading.exaggerated(space, WEST, exaggeration=25.0, emphasis=-0.5, base=4.0)),
+    ):  # fmt: skip
+        shown = shot.buffer.sample(values)
+        tones = ", ".join(f"{shown[slopes & (side == i)].mean():.2f}" for i in (0, 1, 2, 4, 5, 6))
+        dark = shot.detail(shown)[slopes & (side > 3)].std()
+        words += f"\nslopes 0, 30, 60, 120 … 180° from the light:\n{tones}"
+        row.append((f"{words}\ndetail away from the light {dark:.3f}", shot.picture(shown)))
     return page([row])
 
 
@@ -61,6 +95,49 @@ def es3(stage: Stage) -> Image.Image:
         rows[0].append((name, sphere.picture(model(sphere.buffer.normals))))
         rows[1].append((words, ridges.picture(values)))
     return page(rows)
+
+
+@figure("On a profile: one light for all, and a light in the plane of the next smoother normal")
+def es4(stage: Stage) -> Image.Image:
+    from matplotlib.figure import Figure
+
+    t = np.linspace(0, np.pi, 1801)
+    points = (1 + 0.015 * np.cos(36 * t))[:, None] * np.stack([np.cos(t), np.sin(t)], axis=1)
+    tangents = np.gradient(points, t, axis=0)
+    fine = np.stack([tangents[:, 1], -tangents[:, 0]], axis=1)
+    fine /= np.linalg.norm(fine, axis=1, keepdims=True)
+    smooth = gaussian_filter1d(fine, 100, axis=0)
+    smooth /= np.linalg.norm(smooth, axis=1, keepdims=True)
+    light = np.array([-1.0, 1.0]) / 2**0.5
+    local = local_light(light, smooth)
+    one = np.broadcast_to(light, fine.shape)
+    drawn = Figure(figsize=(3 * stage.inches, 0.9 * stage.inches), layout="constrained")
+    cells = drawn.subplots(1, 2)
+    for axes, name, lights, shade in (
+        (cells[0], "cosine", one, 0.5 + 0.5 * fine @ light),
+        (cells[1], "soft toon, a = 4", local,
+         0.5 + 0.5 * soft_toon(np.sum(fine * local, axis=1), 4.0)),
+    ):  # fmt: skip
+        axes.scatter(*points.T, c=shade, cmap="gray", vmin=0, vmax=1, s=14)
+        for place in (200, 550, 900, 1250, 1600):
+            for vectors, color in ((smooth, "tab:blue"), (lights, "tab:orange")):
+                axes.arrow(*points[place], *(0.3 * vectors[place]), color=color, head_width=0.05)
+        facing = np.degrees(t)
+        contrast = [
+            np.ptp(shade[(facing > at - 10) & (facing < at + 10)]) for at in (120, 90, 45, 15)
+        ]
+        words = ", ".join(f"{c:.2f}" for c in contrast)
+        axes.set(
+            title=f"{name}: contrast {words}", aspect="equal", xlim=(-1.45, 1.45),
+            ylim=(-0.1, 1.45), xticks=[], yticks=[],
+        )  # fmt: skip
+        axes.title.set_fontsize(9)
+        axes.set_facecolor("#c6cdd6")
+    words = (
+        "orange: the light; blue: the next smoother normal; contrast of the ripples\n"
+        "15, 45, 90 and 120° round from where the surface faces the light"
+    )
+    return page([[(words, drawing(drawn))]])
 
 
 @figure("What result the base coat and the detail of every scale add up to")
@@ -98,6 +175,25 @@ def es6(stage: Stage) -> Image.Image:
         for p in (-1.0, -0.5, 0.0)
     ]
     return page([shown])
+
+
+@figure("Colour maps, the last two of two lights, from the northwest and from the northeast")
+def es7(stage: Stage) -> Image.Image:
+    shot = stage.look("armadillo", zoom=2.0, centre=(0.0, 0.4))
+    space = shot.vertices(scales=9)
+    first, second = (
+        shot.values(space, "exaggerated", light, exaggeration=25.0)
+        for light in ("northwest", "northeast")
+    )
+    cells = [
+        (name, shot.picture(first, colormap=name)) for name in ("gray", "sepia", "stone", "gooch")
+    ]
+    grey = np.abs(first - 0.5) < 0.05
+    told = np.mean(np.abs(second - 0.5)[grey] > 0.1)
+    for name in ("dusk", "swiss"):
+        words = f"{name}: of what is grey in the first light,\n{told:.0%} is not in the second"
+        cells.append((words, shot.picture(mix(first, second, name))))
+    return page([cells[:3], cells[3:]])
 
 
 @figure("Light turned to the direction that bends most: ridges and valleys get sharper")

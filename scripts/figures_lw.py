@@ -94,7 +94,9 @@ def lw11(stage: Stage) -> Image.Image:
 
         plain = warped(GLOSSY, 0.0, 0.0)
         rows.append([
-            ("exaggerated shading", shot.shaded(shot.vertices(scales=9), "exaggerated")),
+            ("exaggerated shading", shot.shaded(
+                shot.vertices(scales=9), "exaggerated", exaggeration=25.0
+            )),
             ("light warping, diffuse", shot.picture(warped("lambert", 8.0, -0.4), linear=True)),
             ("glossy, plain", shot.picture(plain, linear=True)),
             ("3D unsharp masking", shot.picture(unsharp(shot, plain), linear=True)),

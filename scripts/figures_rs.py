@@ -2,13 +2,23 @@
 
 from __future__ import annotations
 
+import time
 from typing import Any
 
 import numpy as np
 from figure_parts import Shot, Stage, crop, drawing, figure, page
 from PIL import Image
 
-from meshdepict.scene.material import AshikhminShirley, LitSphere, Phong, SubLambert, Toon
+import meshdepict as md
+from meshdepict.scene.material import (
+    AshikhminShirley,
+    LitSphere,
+    Mirror,
+    Phong,
+    Refractive,
+    SubLambert,
+    Toon,
+)
 from meshdepict.shading.radiance_scaling import scaling
 from meshdepict.shapes.gbuffer import GBuffer
 
@@ -189,6 +199,103 @@ def rs8(stage: Stage) -> Image.Image:
         ]
         for name, magnitude in (("plain", 0.0), ("scaled", 5.0))
     ]
+    return page(rows)
+
+
+@figure("A refractive object, and a mirror: under a sunset, and with its sun and sky clipped")
+def rs9(stage: Stage) -> Image.Image:
+    shot = stage.look("armadillo")
+    sunset, space = shot.environment("venice_sunset_1k"), shot.descriptor(4)
+    clipped = md.Environment(
+        np.minimum(sunset.pixels, np.quantile(sunset.pixels, 0.9)), up=sunset.up
+    )
+    rows = []
+    for name, material, exposures in (
+        ("refractive", Refractive(), (0.25, 0.4)), ("mirror", Mirror(), (0.5, 0.8))
+    ):  # fmt: skip
+        row = []
+        for sky, light, exposure in zip(
+            ("sunset", "clipped"), (sunset, clipped), exposures, strict=True
+        ):
+            plain, scaled_up = (
+                shot.values(
+                    space, "radiance_scaling", light, material=material, magnitude=magnitude,
+                    exposure=exposure,
+                )
+                for magnitude in (0.0, 3.0)
+            )  # fmt: skip
+            share = follows(shot, space, scaled_up - plain)
+            for words, values in (
+                (f"{name}, {sky}", plain),
+                (f"γ = 3: change follows convexity {share:.0%}", scaled_up),
+            ):  # fmt: skip
+                spread = shot.detail(values, linear=True).std()
+                caption = f"{words}\ndetail {spread:.3f}"
+                row.append((caption, shot.picture(values, linear=True)))
+        rows.append(row)
+    return page(rows)
+
+
+def follows(shot: Shot, space: md.ScaleSpace, change: Any) -> float:
+    """Return where convexities get brighter and concavities darker: a share of what changes."""
+    seen = space.view_curvature(shot.buffer.view, 1)
+    bent = np.tanh(-10 * seen.mean) * seen.weight
+    change = np.asarray(change).reshape(len(bent), -1).mean(axis=1)
+    there = (np.abs(bent) > 0.2) & (np.abs(change) > 1e-3)
+    return float(np.mean(change[there] * bent[there] > 0))
+
+
+@figure("Time of a picture by the number of lights: plain, scaled, and warped")
+def rs12(stage: Stage) -> Image.Image:
+    from matplotlib.figure import Figure
+
+    shot = stage.look("armadillo")
+    light, space = shot.environment("grace_256x128"), shot.descriptor(6)
+    counts = (16, 64, 128, 192, 256)
+
+    def seconds(method: str, count: int, magnitude: float) -> float:
+        """Return the processor's time, which others on the machine hardly change."""
+        taken = []
+        for _ in range(2):
+            start = time.process_time()
+            shot.values(space, method, light, material=GLOSSY, lights=count, magnitude=magnitude)
+            taken.append(time.process_time() - start)
+        return min(taken)
+
+    drawn = Figure(figsize=(2 * stage.inches, 1.2 * stage.inches), layout="constrained")
+    axes = drawn.subplots()
+    slopes: list[float] = []
+    for name, method, magnitude in (
+        ("plain", "radiance_scaling", 0.0), ("radiance scaling", "radiance_scaling", 5.0),
+        ("light warping", "light_warping", 8.0),
+    ):  # fmt: skip
+        found = [seconds(method, count, magnitude) for count in counts]
+        slopes.append(np.polyfit(counts, found, 1)[0])
+        straight = np.corrcoef(counts, found)[0, 1]
+        label = f"{name}: a light takes {slopes[-1] / slopes[0]:.2f} of plain, r = {straight:.3f}"
+        axes.plot(counts, found, marker="o", ms=3, label=label)
+    axes.set(xlabel="lights", ylabel="s of processor", ylim=(0, None))
+    axes.legend(frameon=False, fontsize=8)
+    return page([[("per pixel, without reading and smoothing", drawing(drawn))]])
+
+
+@figure("Light Warping above, Radiance Scaling below: matt and glossy, under two orientations")
+def rs13(stage: Stage) -> Image.Image:
+    shot = stage.look("armadillo")
+    space = shot.descriptor(6)
+    rows: list[list[tuple[str, Image.Image]]] = [[], []]
+    for material, name in (("lambert", "diffuse"), (GLOSSY, "shiny")):
+        for turn in (0, 180):
+            light = shot.environment("ennis_256x128", turn=turn)
+            shared = {"material": material, "lights": 128, "exposure": 0.7}
+            plain = shot.values(space, "radiance_scaling", light, magnitude=0.0, **shared)
+            for row, method, magnitude in zip(
+                rows, ("light_warping", "radiance_scaling"), (8.0, 4.0), strict=True
+            ):
+                values = shot.values(space, method, light, magnitude=magnitude, **shared)
+                share = follows(shot, space, values - plain)
+                words = f"{name}, turned by {turn}°\nchange follows convexity: {share:.0%}"
+                row.append((words, shot.picture(values, linear=True)))
     return page(rows)
 
 
