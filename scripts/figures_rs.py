@@ -24,6 +24,8 @@ from meshdepict.shapes.gbuffer import GBuffer
 
 GLOSSY = AshikhminShirley(diffuse=0.35, reflectance=0.25, shininess=60.0)
 
+DIM = 0.02  # an exposure under which next to nothing is burnt out, to measure at
+
 
 def scaled(
     shot: Shot, light: Any = "northwest", *, iterations: int = 8, **options: Any
@@ -220,7 +222,7 @@ def rs9(stage: Stage) -> Image.Image:
             plain, scaled_up = (
                 shot.values(
                     space, "radiance_scaling", light, material=material, magnitude=magnitude,
-                    exposure=exposure,
+                    exposure=DIM,
                 )
                 for magnitude in (0.0, 3.0)
             )  # fmt: skip
@@ -229,9 +231,9 @@ def rs9(stage: Stage) -> Image.Image:
                 (f"{name}, {sky}", plain),
                 (f"γ = 3: change follows convexity {share:.0%}", scaled_up),
             ):  # fmt: skip
-                spread = shot.detail(values, linear=True).std()
-                caption = f"{words}\ndetail {spread:.3f}"
-                row.append((caption, shot.picture(values, linear=True)))
+                shown = values * (exposure / DIM)
+                spread = shot.detail(shown, linear=True).std()
+                row.append((f"{words}\ndetail {spread:.3f}", shot.picture(shown, linear=True)))
         rows.append(row)
     return page(rows)
 
@@ -241,7 +243,7 @@ def follows(shot: Shot, space: md.ScaleSpace, change: Any) -> float:
     seen = space.view_curvature(shot.buffer.view, 1)
     bent = np.tanh(-10 * seen.mean) * seen.weight
     change = np.asarray(change).reshape(len(bent), -1).mean(axis=1)
-    there = (np.abs(bent) > 0.2) & (np.abs(change) > 1e-3)
+    there = (np.abs(bent) > 0.2) & (np.abs(change) > 1e-3 * DIM)
     return float(np.mean(change[there] * bent[there] > 0))
 
 
@@ -287,7 +289,7 @@ def rs13(stage: Stage) -> Image.Image:
     for material, name in (("lambert", "diffuse"), (GLOSSY, "shiny")):
         for turn in (0, 180):
             light = shot.environment("ennis_256x128", turn=turn)
-            shared = {"material": material, "lights": 128, "exposure": 0.7}
+            shared = {"material": material, "lights": 128, "exposure": DIM}
             plain = shot.values(space, "radiance_scaling", light, magnitude=0.0, **shared)
             for row, method, magnitude in zip(
                 rows, ("light_warping", "radiance_scaling"), (8.0, 4.0), strict=True
@@ -295,7 +297,7 @@ def rs13(stage: Stage) -> Image.Image:
                 values = shot.values(space, method, light, magnitude=magnitude, **shared)
                 share = follows(shot, space, values - plain)
                 words = f"{name}, turned by {turn}°\nchange follows convexity: {share:.0%}"
-                row.append((words, shot.picture(values, linear=True)))
+                row.append((words, shot.picture(0.7 / DIM * values, linear=True)))
     return page(rows)
 
 
