@@ -1,0 +1,1 @@
+"""What height fields are computed from: gradients, smoothing, horizons; arrays, no HeightField."""
