@@ -33,6 +33,7 @@ if TYPE_CHECKING:
     from meshdepict.shading.method import method
     from meshdepict.shapes import samples
     from meshdepict.shapes.gbuffer import GBuffer
+    from meshdepict.shapes.height_field import HeightField
     from meshdepict.shapes.mesh import Mesh
     from meshdepict.shapes.volume import Volume
 
@@ -40,6 +41,7 @@ __all__ = [
     "Baked",
     "Environment",
     "GBuffer",
+    "HeightField",
     "Light",
     "Look",
     "Mesh",
@@ -72,6 +74,7 @@ _HOME = {
     "Baked": "baking.baked",
     "Environment": "scene.environment",
     "GBuffer": "shapes.gbuffer",
+    "HeightField": "shapes.height_field",
     "Look": "baking.look",
     "Light": "scene.light",
     "Mesh": "shapes.mesh",

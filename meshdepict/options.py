@@ -27,6 +27,7 @@ from meshdepict.errors import MeshdepictError
 
 __all__ = [
     "Choice",
+    "Flag",
     "Option",
     "Range",
     "Samples",
@@ -78,6 +79,14 @@ class Choice:
     def __str__(self) -> str:
         """Return the words, separated by bars."""
         return " | ".join(self.names)
+
+
+@dataclass(frozen=True)
+class Flag(Choice):
+    """Yes or no: True or False, in a text "true" or "false"."""
+
+    names: tuple[str, ...] = ("true", "false")
+    also: tuple[type, ...] = (bool,)
 
 
 @dataclass(frozen=True)
@@ -184,6 +193,8 @@ def as_text(value: Any) -> str:
     """Return an option's value as ``--set`` takes it: ``"0.9,0.6"`` for several numbers."""
     if isinstance(value, tuple):
         return ",".join(map(as_text, value))
+    if isinstance(value, bool):
+        return str(value).lower()
     return f"{value:.9g}" if isinstance(value, float) else str(value)
 
 
@@ -242,7 +253,7 @@ def _checked(option: Option, value: Any, where: str) -> Any:
             raise MeshdepictError(
                 f"{where}: {name}={value!r} is not one of {accepts}{nearest(value, accepts.names)}"
             )
-        return value
+        return value == "true" if isinstance(accepts, Flag) else value
     if isinstance(accepts, Values):
         return _values(option, value, where)
     if option.count != 1:

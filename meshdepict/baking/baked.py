@@ -14,6 +14,7 @@ from meshdepict.baking.provenance import comment_lines, was_baked
 from meshdepict.errors import MeshdepictError
 from meshdepict.scene.view import View
 from meshdepict.shapes.gbuffer import GBuffer
+from meshdepict.shapes.height_field import HeightField
 
 if TYPE_CHECKING:
     from meshdepict.baking.choices import Choices
@@ -36,7 +37,7 @@ class Depiction:
 
     Attributes
     ----------
-    shape : Mesh, GBuffer or Volume
+    shape : Mesh, HeightField, GBuffer or Volume
     provenance : dict of str
         Version, method, options, light, view, widths and the shape's digest.
     view : View
@@ -168,7 +169,7 @@ class Baked(Depiction):
 
     Attributes
     ----------
-    shape : Mesh or GBuffer
+    shape : Mesh, HeightField or GBuffer
     colors : (n, 3) array of uint8
         sRGB.
     intensity : (n,) or (n, 3) array of float
@@ -183,11 +184,11 @@ class Baked(Depiction):
         How it was baked, with what followed from the shape; None where nobody said.
     """
 
-    shape: Mesh | GBuffer
+    shape: Mesh | HeightField | GBuffer
 
     def __init__(
         self,
-        shape: Mesh | GBuffer,
+        shape: Mesh | HeightField | GBuffer,
         intensity: NDArray[Any],
         colors: NDArray[np.uint8],
         provenance: Mapping[str, str],
@@ -234,7 +235,7 @@ class Baked(Depiction):
 
     @property
     def mesh(self) -> Mesh:
-        """The shape, where it is a mesh.
+        """The shape, where it is a mesh; of a height field the ground as one.
 
         Raises
         ------
@@ -243,7 +244,7 @@ class Baked(Depiction):
         """
         if isinstance(self.shape, GBuffer):
             raise MeshdepictError(f"an {self.shape.kind} is no surface: save it, or bake a mesh")
-        return self.shape
+        return self.shape.mesh if isinstance(self.shape, HeightField) else self.shape
 
     def save(self, path: str | Path) -> Path:
         """Write the shape with its colours; the suffix decides the format.
@@ -265,7 +266,7 @@ class Baked(Depiction):
             return save_page(self, path)
         from meshdepict.io import write_mesh
 
-        write_mesh(path, self.shape, colors=self.colors, comments=self.comments)
+        write_mesh(path, self.mesh, colors=self.colors, comments=self.comments)
         return Path(path)
 
     def to_pyvista(self) -> Any:

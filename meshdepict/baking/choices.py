@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self
 from meshdepict import color
 from meshdepict.color import colormaps2d
 from meshdepict.errors import MeshdepictError, MeshdepictWarning
-from meshdepict.options import check, options_of
+from meshdepict.options import check, options_of, real
 from meshdepict.scales.ladder import FACING, TOLERANCE
 from meshdepict.scene.names import Lighting, LightsLike, as_light, as_lighting, as_view
 from meshdepict.scene.upright import upright
@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 
 __all__ = ["AUTO", "LADDER", "SIDES", "Choices", "choice_fields", "takes_choices"]
 
-MESH, VOLUME = "mesh", "volume"
+MESH, VOLUME, HEIGHTS = "mesh", "volume", "height field"
 
 AUTO = "auto"
 """Of up and view: what suits the shape."""
@@ -67,10 +67,11 @@ class Choices:
         northwest, and lights that show what it is for where one would not.
     view : str or View
         "front", "top", …; fitted to the shape. "auto" takes the one that shows most of it; see
-        `shapes.standing`.
+        `shapes.standing`. Of a height field "front" and "auto" are the map: from above, north up.
     up : {"y", "z", "-y", "-z", "x", "-x", "auto"}, optional
         Which axis of the shape points up; unless given y, and z of a volume, as in a patient's
-        frame. "auto" takes what the file's format defines, else how the shape can stand.
+        frame, and of a height field. "auto" takes what the file's format defines, else how the
+        shape can stand.
     scales, width, ratio, facing, tolerance
         See `scale_space`; None takes what the method declares.
     colormap : str, optional
@@ -91,6 +92,8 @@ class Choices:
         come after the old ones.
     two_sided : bool
         Shade the side that the view sees, also where faces look away from it.
+    z_factor : float
+        Of height fields: times their heights, before anything else.
     transfer : str or TransferFunction, optional
         Of volumes: opacity and base colour; a preset's name, a .toml file or a function. "bone"
         unless given.
@@ -132,6 +135,10 @@ class Choices:
         "unless given.",
         only=VOLUME,
     )
+    z_factor: float = _choice(
+        1.0, "Times the heights of terrain, cartographers' vertical exaggeration.",
+        group="Detail", only=HEIGHTS,
+    )  # fmt: skip
     scales: int | None = _choice(
         None, "How often to smooth; unless given, as often as the method wants.", group="Detail"
     )
@@ -208,6 +215,8 @@ class Choices:
             raise MeshdepictError(
                 "the file's normals say themselves which edges are sharp: leave creases out"
             )
+        if not 0 < (real(self.z_factor) or 0) <= 1e6:
+            raise MeshdepictError(f"z_factor={self.z_factor!r} is not a number above 0 up to 1e6")
         if not isinstance(self.two_sided, bool):
             raise MeshdepictError(f"two_sided={self.two_sided!r} is neither True nor False")
 
@@ -244,10 +253,19 @@ class Choices:
 
     def axis(self, kind: str) -> str:
         """Return which axis points up of a kind of shape: as chosen, else as usual."""
-        return self.up or ("z" if kind == VOLUME else "y")
+        return self.up or ("z" if kind in (VOLUME, HEIGHTS) else "y")
+
+    def _on_map(self, kind: str) -> Self:
+        """Return these choices with the map as the view of terrain that nobody turned."""
+        usual = isinstance(self.view, str) and self.view in ("front", AUTO)
+        if kind == HEIGHTS and usual and self.up in (None, AUTO):
+            return self.replace(view="top", up="z")
+        return self
 
     def posed(self, shape: Any) -> Self:
         """Return these choices with what suits a shape where up and view are "auto"."""
+        if shape.kind == HEIGHTS:
+            return self._on_map(HEIGHTS)
         sight = isinstance(self.view, str) and self.view == AUTO
         if self.up == AUTO:
             from meshdepict.shapes.standing import standing
@@ -344,7 +362,7 @@ class Choices:
 
         Parameters
         ----------
-        kind : {"mesh", "image", "volume"}
+        kind : {"mesh", "image", "volume", "height field"}
 
         Raises
         ------
@@ -354,17 +372,28 @@ class Choices:
         for name, each in choice_fields().items():
             only = each.metadata["only"]
             usual = _is(getattr(self, name), each.default)
-            if only and (only == VOLUME) != (kind == VOLUME) and not usual:
+            if not usual and not _concerns(only, kind):
                 raise MeshdepictError(
                     f"{name} is about a {only}, and this is a {kind}: leave it out"
                 )
         scales, ratio = self.ladder
-        follows: dict[str, Any] = {"scales": scales, "ratio": ratio, "up": self.axis(kind)}
+        look = self._on_map(kind)
+        follows: dict[str, Any] = {
+            "scales": scales, "ratio": ratio, "up": look.axis(kind), "view": look.view
+        }  # fmt: skip
         if kind == VOLUME and self.transfer is None:
             follows["transfer"] = "bone"
         if kind == "image" and "curvature" in options_of(self.function):
             follows["curvature"] = self.options.get("curvature", "view")  # as its paper has it
+        if kind == HEIGHTS and "one_light" in options_of(self.function):
+            given = self.options.get("one_light")
+            follows["one_light"] = True if given is None else given
         return self.replace(**follows)
+
+
+def _concerns(only: str, kind: str) -> bool:
+    """Whether a choice that is about one kind alone may be made of another."""
+    return not only or only == kind or (only == MESH and kind in ("image", HEIGHTS))
 
 
 def _is(given: object, usual: object) -> bool:

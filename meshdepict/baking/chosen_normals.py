@@ -10,7 +10,7 @@ from meshdepict.errors import MeshdepictError, MeshdepictWarning
 from meshdepict.shapes.parted import PartedMesh
 
 if TYPE_CHECKING:
-    from meshdepict.shapes.gbuffer import GBuffer
+    from meshdepict.scene.shape import Shape
     from meshdepict.shapes.mesh import Mesh
 
 __all__ = ["refuse_other_sides", "sides_of", "with_chosen_normals"]
@@ -44,14 +44,14 @@ def with_chosen_normals(mesh: Mesh, look: Choices) -> Mesh:
     return found
 
 
-def sides_of(shape: Mesh | GBuffer) -> dict[str, object]:
+def sides_of(shape: Shape) -> dict[str, object]:
     """Return the choices that a shape's normals were made with."""
     if isinstance(shape, PartedMesh):
         return {"creases": shape.creases, "normals": shape.chosen_normals}
     return {name: choice_fields()[name].default for name in SIDES}
 
 
-def refuse_other_sides(shape: Mesh | GBuffer, look: Choices) -> None:
+def refuse_other_sides(shape: Shape, look: Choices) -> None:
     """Refuse to ask a finished surface for normals that it wasn't made with.
 
     Raises

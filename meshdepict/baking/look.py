@@ -66,7 +66,7 @@ def bake(
 
     Parameters
     ----------
-    shape : path, Mesh, GBuffer, ScaleSpace, pyvista.PolyData or trimesh.Trimesh
+    shape : path, Mesh, HeightField, GBuffer, ScaleSpace, pyvista.PolyData or trimesh.Trimesh
         A `ScaleSpace` is used as it is: several bakes can share one. What it was made with can't
         be asked for again.
     method : str or function

@@ -22,6 +22,7 @@ from meshdepict.scales.making import scale_space
 from meshdepict.scales.space import ScaleSpace
 from meshdepict.scene.names import Lighting, as_light
 from meshdepict.shapes.gbuffer import GBuffer
+from meshdepict.shapes.height_field import HeightField
 from meshdepict.shapes.mesh import Mesh
 
 __all__ = ["as_mesh", "bake_surface", "own_colors", "refuse_other_scales"]
@@ -32,16 +33,17 @@ def bake_surface(shape: object, look: Choices, *, progress: Progress | None = No
 
     Parameters
     ----------
-    shape : path, Mesh, GBuffer, ScaleSpace, pyvista.PolyData or trimesh.Trimesh
+    shape : path, Mesh, HeightField, GBuffer, ScaleSpace, pyvista.PolyData or trimesh.Trimesh
     look : Choices
     progress : callable, optional
         ``progress(done, total)``.
     """
-    kind = _kind(shape) or "mesh"
+    mesh = as_surface(shape.shape if isinstance(shape, ScaleSpace) else shape)
+    kind = mesh.kind
     chosen, look = look, look.of_kind(kind)
     scales, ratio = look.ladder
-    sampled = shape.shape if isinstance(shape, ScaleSpace) else shape
-    mesh = sampled if isinstance(sampled, GBuffer) else as_mesh(sampled)
+    if isinstance(mesh, HeightField) and not isinstance(shape, ScaleSpace):
+        mesh = mesh.raised(look.z_factor)
     if isinstance(mesh, Mesh) and not isinstance(shape, ScaleSpace):
         mesh = with_chosen_normals(mesh, look)
     refuse_other_sides(mesh, look)
@@ -100,9 +102,9 @@ def bake_surface(shape: object, look: Choices, *, progress: Progress | None = No
     )  # fmt: skip
 
 
-def _kind(shape: object) -> str | None:
-    """Return what kind of shape it is, or was sampled; None of what is yet to become one."""
-    return getattr(shape.shape if isinstance(shape, ScaleSpace) else shape, "kind", None)
+def as_surface(shape: object) -> Mesh | GBuffer | HeightField:
+    """Return a surface to be shaded: a height field or an image as it is, all else as a mesh."""
+    return shape if isinstance(shape, (GBuffer, HeightField)) else as_mesh(shape)
 
 
 def as_mesh(shape: object) -> Mesh:
@@ -130,10 +132,12 @@ def as_mesh(shape: object) -> Mesh:
     )
 
 
-def own_colors(shape: Mesh | GBuffer) -> NDArray[np.uint8]:
+def own_colors(shape: Mesh | GBuffer | HeightField) -> NDArray[np.uint8]:
     """Return a mesh's own vertex colours, or an image's own, or those of the mesh that it shows."""
     if isinstance(shape, Mesh):
         return _mesh_colors(shape)
+    if isinstance(shape, HeightField):
+        raise MeshdepictError("albedo='keep' needs colours of its own, and a height field has none")
     if shape.colors is not None:
         return shape.colors
     if shape.mesh is None:

@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshdepict.drawing.display import check_opengl
-from meshdepict.shapes.mesh import Mesh
 
 if TYPE_CHECKING:
     from meshdepict.drawing.painted import Painted
@@ -141,8 +140,7 @@ def unit_polydata(baked: Painted) -> PolyData:
     Graphics cards compute in single precision: far from the origin a picture would crumble.
     """
     poly = baked.to_pyvista()
-    assert isinstance(baked.shape, Mesh)
-    poly.points = baked.shape.recentred(baked.shape.vertices)
+    poly.points = baked.shape.recentred(baked.mesh.vertices)
     return poly
 
 

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from meshdepict.color.transfer_function import TransferFunction
     from meshdepict.scales.grid_scales import GridSpace
     from meshdepict.shapes.gbuffer import GBuffer
+    from meshdepict.shapes.height_field import HeightField
     from meshdepict.shapes.mesh import Mesh
     from meshdepict.voxels.grid import Grid
 
@@ -49,11 +50,15 @@ class Depicted(Protocol):
 
 
 class Painted(Depicted, Protocol):
-    """A mesh or an image in its colours; see `Baked`."""
+    """A mesh, a height field or an image in its colours; see `Baked`."""
 
     @property
-    def shape(self) -> Mesh | GBuffer:
+    def shape(self) -> Mesh | HeightField | GBuffer:
         """What is shaded."""
+
+    @property
+    def mesh(self) -> Mesh:
+        """Its surface, a vertex for each colour; an image has none."""
 
     @property
     def colors(self) -> NDArray[np.uint8]:

@@ -14,6 +14,7 @@ from meshdepict.scales.space import ScaleSpace
 from meshdepict.scene.names import as_view
 from meshdepict.scene.view import View
 from meshdepict.shapes.gbuffer import GBuffer
+from meshdepict.shapes.height_field import HeightField
 from meshdepict.shapes.lengths import resolve_width
 from meshdepict.shapes.mesh import Mesh
 from meshdepict.shapes.volume import Volume
@@ -40,7 +41,7 @@ def scale_space(
 
     Parameters
     ----------
-    shape : Mesh, Volume or GBuffer
+    shape : Mesh, HeightField, Volume or GBuffer
         Of a volume see `grid_space`, of an image `image_space`, which have more to choose.
     scales : int
         Number of smoothed sets, ≥ 0; the original normals come before them.
@@ -78,9 +79,10 @@ def scale_space(
         return image_space(
             shape, scales=scales, width=width, ratio=ratio, at_once=at_once, progress=progress
         )
-    if not isinstance(shape, (Mesh, Volume)):
+    if not isinstance(shape, (Mesh, Volume, HeightField)):
         raise MeshdepictError(
-            f"a {type(shape).__name__} has no scale space: give a Mesh, a Volume or a GBuffer"
+            f"a {type(shape).__name__} has no scale space: give a Mesh, a HeightField, a Volume or "
+            "a GBuffer"
         )
     eye = None if view is None else as_view(view, shape)
     widths = ladder(scales, ratio, resolve_width(width, shape, eye))
@@ -88,6 +90,12 @@ def scale_space(
         from meshdepict.scales.grid_making import grid_space
 
         return grid_space(
+            shape, widths, ratio, tolerance=tolerance, at_once=at_once, progress=progress
+        )
+    if isinstance(shape, HeightField):
+        from meshdepict.scales.height_scales import height_space
+
+        return height_space(
             shape, widths, ratio, tolerance=tolerance, at_once=at_once, progress=progress
         )
     from meshdepict.scales.mesh_scales import mesh_space

@@ -21,6 +21,9 @@ if TYPE_CHECKING:
 
 __all__ = ["MeshSpace", "mesh_space"]
 
+# Of the area: the mean normal's length from which on a mesh is a sheet; a half sphere has 0.5.
+_SHEET = 0.4
+
 # Of a mean value, relative: at unsharp masking's default amount less than half a grey level.
 _ERROR = 1e-3
 
@@ -57,6 +60,17 @@ class MeshSpace(ScaleSpace):
     def surface(self) -> Mesh:
         """The mesh itself."""
         return self.shape
+
+    @property
+    def vertical(self) -> NDArray[np.float64]:
+        """The axis that a sheet looks along most: up of terrain, to the eye of a tablet's face."""
+        mean = self.shape.unit_areas @ self.shape.normals
+        if np.linalg.norm(mean) < _SHEET * self.shape.unit_areas.sum():
+            return super().vertical
+        axis = int(np.abs(mean).argmax())
+        found = np.zeros(3)
+        found[axis] = np.copysign(1.0, mean[axis])
+        return found
 
     def mean(self, values: NDArray[Any], width: float) -> NDArray[np.float64]:
         """Return ``Σ_j A_j G(x_i − x_j) c_j / Σ_j A_j G(x_i − x_j)``, A mixed Voronoi areas.

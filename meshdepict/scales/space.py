@@ -30,7 +30,8 @@ class ScaleSpace(NormalSets):
     """Positions and unit normals of samples at every scale, from fine to coarse.
 
     Made by `scale_space`. Shading functions take it and ask for nothing else. Each kind of shape
-    has a class of its own (`MeshSpace`, `GridSpace`, `ImageSpace`) that says how its normals are
+    has a class of its own (`MeshSpace`, `HeightSpace`, `GridSpace`,
+    `ImageSpace`) that says how its normals are
     smoothed (`_smoother`) and bend (`_principal`, `_turns`), what rays can meet (`surface`) and how
     values are averaged (`mean`).
 
@@ -39,7 +40,7 @@ class ScaleSpace(NormalSets):
 
     Attributes
     ----------
-    shape : Mesh, Volume or GBuffer
+    shape : Mesh, HeightField, Volume or GBuffer
         What was sampled.
     points : (n, 3) array of float64
         World positions of the samples.
@@ -171,6 +172,20 @@ class ScaleSpace(NormalSets):
         raise MeshdepictError(
             f"rays need a surface to meet, and a {self.shape.kind} is none: use another method, or "
             "shade a mesh"
+        )
+
+    @property
+    def vertical(self) -> NDArray[np.float64]:
+        """(3,) unit vector that level ground faces.
+
+        Raises
+        ------
+        MeshdepictError
+            Where there is no ground.
+        """
+        raise MeshdepictError(
+            f"a {self.shape.kind} has no level ground, which one light for relief needs: leave "
+            "one_light out"
         )
 
     def mean(self, values: NDArray[Any], width: float) -> NDArray[np.float64]:

@@ -10,7 +10,7 @@ __all__ = ["Shape"]
 
 
 class Shape(Protocol):
-    """A `Mesh`, a `Volume` (or its `Grid`) or a `GBuffer`, of whichever kind."""
+    """A `Mesh`, a `HeightField`, a `Volume` (or its `Grid`) or a `GBuffer`, of whichever kind."""
 
     @property
     def identity(self) -> str:
@@ -18,7 +18,7 @@ class Shape(Protocol):
 
     @property
     def kind(self) -> str:
-        """Return "mesh", "volume" or "image"."""
+        """Return "mesh", "height field", "volume" or "image"."""
 
     @property
     def outline(self) -> Vector:

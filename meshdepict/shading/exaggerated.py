@@ -9,18 +9,19 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from meshdepict.errors import MeshdepictError
-from meshdepict.options import Range
+from meshdepict.options import Flag, Range
 from meshdepict.scales.reads import Reads
 from meshdepict.scales.space import ScaleSpace
 from meshdepict.scene.names import LightLike, as_light
 from meshdepict.shading.attention import remoteness
 from meshdepict.shading.bands import SINGULAR_LIGHT, band_weights
-from meshdepict.shading.fitted_tones import fitted_tones
+from meshdepict.shading.fitted_tones import fitted_tones, relief_tones
 from meshdepict.shading.method import Exposure, exposed, method, require_smoothing
 
-__all__ = ["exaggerated", "local_light", "per_band", "settle", "soft_toon"]
+__all__ = ["exaggerated", "horizontal", "local_light", "per_band", "settle", "soft_toon"]
 
 _EMPHASIS = -0.5
+_ON_TERRAIN = 4.0  # of terrain that is shaded window by window: nobody sees all of it
 _ANYWHERE = 15.0  # an exaggeration that does for scans, chosen by eye, where none can be fitted
 
 
@@ -45,6 +46,13 @@ def local_light(light: ArrayLike, normals: ArrayLike) -> NDArray[Any]:
     return projected / np.sqrt(squared + SINGULAR_LIGHT**2)
 
 
+def horizontal(light: NDArray[np.float64], vertical: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return a light's unit direction on level ground; nothing of one that stands above it."""
+    level: NDArray[np.float64] = light - vertical * (light @ vertical)
+    length = float(np.linalg.norm(level))
+    return level / length if length > SINGULAR_LIGHT**2 else np.zeros(3)
+
+
 def settle(space: ScaleSpace | None, options: Mapping[str, Any]) -> dict[str, Any]:
     """Return exaggeration, base and contrast: as given, else as fit the shape, or as in the paper.
 
@@ -61,24 +69,30 @@ def settle(space: ScaleSpace | None, options: Mapping[str, Any]) -> dict[str, An
     if all(value is not None for value in given.values()):
         return given
     usual: tuple[Any, ...] = (_ANYWHERE, 1.0, 1.0)
+    relief = bool(options.get("one_light"))
     fits = given["exaggeration"] is None and given["contrast"] != 0  # with which nothing shows
     if fits and space is not None and len(space.widths) > 1:
-        usual = fitted_tones(space, emphasis=options.get("emphasis", _EMPHASIS))
+        emphasis = options.get("emphasis", _EMPHASIS)
+        usual = (relief_tones if relief else fitted_tones)(space, emphasis=emphasis)
+    elif relief:
+        usual = (_ON_TERRAIN, 1.0, 1.0)
     return {
         name: fit if given[name] is None else given[name]
         for name, fit in zip(names, usual, strict=True)
     }
 
 
-def per_band(space: ScaleSpace, exaggeration: float | Sequence[float]) -> NDArray[np.float64]:
-    """Return one exaggeration for each band, finest first.
+def per_band(
+    space: ScaleSpace, exaggeration: float | Sequence[float], bands: int | None = None
+) -> NDArray[np.float64]:
+    """Return one exaggeration for each band, finest first; as many as smoothed scales.
 
     Raises
     ------
     MeshdepictError
         For another number of them.
     """
-    bands = len(space.widths) - 1
+    bands = len(space.widths) - 1 if bands is None else bands
     values = np.asarray(exaggeration, float)
     if values.ndim and len(values) != bands:
         raise MeshdepictError(
@@ -133,6 +147,10 @@ def exaggerated(
         float,
         Range(0, 1e6, help="how far light turns to the direction that bends most", soft=(0, 20)),
     ] = 0.0,
+    one_light: Annotated[
+        bool | None,
+        Flag(help="shade all scales under the light's horizontal part, as relief; so is terrain"),
+    ] = None,
     focus: Annotated[
         tuple[float, float, float] | None,
         Range(help="x,y,z in world units: detail fades away from this point", place=True),
@@ -170,6 +188,11 @@ def exaggerated(
     principal_strength : float
         Of eq. 9, s = principal_strength·σ_i²: sharpens the light's turn at ridges and valleys. 0
         computes no curvature.
+    one_light : bool, optional
+        The form for terrain (§3): ``c = ½ + ½ Σ_i k_i clamp[−1,1](a_i n_i·l)`` with the light's
+        horizontal part l, so that level ground is mid-grey whatever the light. Bakes of a height
+        field take it unless told otherwise; of a mesh it needs a sheet, whose axis is vertical.
+        Exaggerations are one more then, with the coarsest scale's.
     focus : (float, float, float), optional
         Where attention is drawn to (fig. 9): at the distance d from it the weight k_i is
         multiplied by exp(−½ (d/ρ_i)²), ρ_i = radius·2^{i/2}. The base coat stays.
@@ -181,21 +204,30 @@ def exaggerated(
     MeshdepictError
         If the scale space has no smoothed scale, and for another number of exaggerations.
     """
-    from meshdepict.shading.exaggerated_kernel import combine_bands
+    from meshdepict.shading.exaggerated_kernel import combine_bands, combine_cosines
 
     require_smoothing(space, "exaggerated shading", scales=9)
     direction = as_light(light).direction
     given = {
         "exaggeration": exaggeration, "base": base, "contrast": contrast, "emphasis": emphasis,
+        "one_light": one_light,
     }  # fmt: skip
     tones = settle(space, given)
     weights = band_weights(
         space.widths, space.ratio,
         emphasis=emphasis, contrast=tones["contrast"], base=tones["base"],
     )  # fmt: skip
-    steep = per_band(space, tones["exaggeration"])
+    steep = per_band(space, tones["exaggeration"], len(weights) if one_light else None)
     if contrast == 0:
         return exposed(np.full(len(space.points), 0.5, np.float32), exposure)
+    if one_light:
+        if focus is not None or principal_strength:
+            raise MeshdepictError(
+                "exaggerated: focus and principal_strength are about each scale's own light, and "
+                "one_light has none: leave them out, or set one_light=False"
+            )
+        sums = combine_cosines(space, horizontal(direction, space.vertical), weights, steep)
+        return exposed((1 + sums) / 2, exposure)
     far = None if focus is None else remoteness(space, focus, radius)
     if principal_strength:
         from meshdepict.shading.principal_light import combine_bent_bands

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from meshdepict.scales.space import ScaleSpace
 from meshdepict.threads import each, kernel, spans, thread_count
 
-__all__ = ["combine_bands"]
+__all__ = ["combine_bands", "combine_cosines"]
 
 _BLOCK = 512  # samples whose running sums stay in the fastest cache
 
@@ -69,3 +69,37 @@ def _combine(planes, light, weights, exaggeration, singular, remoteness, sums, b
                 along[i] = cosine
         for i in range(count):
             sums[start + i] = total[i] + weights[last] * along[i]
+
+
+def combine_cosines(
+    space: ScaleSpace,
+    light: NDArray[np.float64],
+    weights: NDArray[np.float64],
+    exaggeration: NDArray[np.float64],
+) -> NDArray[np.float32]:
+    """Return Σ_i k_i clamp(a_i n_i·l) over all scales, 0 to the coarsest, not yet clipped."""
+    count = len(space.points)
+    sums = np.empty(count, np.float32)
+    arguments = (
+        space.planes, light.astype(np.float32), weights.astype(np.float32),
+        exaggeration.astype(np.float32), sums,
+    )  # fmt: skip
+    pieces = thread_count() if count > 20_000 else 1
+    each(lambda a, b: _cosines(*arguments, a, b), spans(count, pieces))
+    return sums
+
+
+@kernel("reordered")
+def _cosines(planes, light, weights, exaggeration, sums, begin, end):  # type: ignore[no-untyped-def]
+    lx, ly, lz = light[0], light[1], light[2]
+    one = np.float32(1)
+    for start in range(begin, end, _BLOCK):
+        count = min(_BLOCK, end - start)
+        total = sums[start : start + count]
+        total[:] = np.float32(0)
+        for scale in range(len(planes)):
+            k, steep = weights[scale], exaggeration[scale]
+            x, y, z = planes[scale, 0, start:], planes[scale, 1, start:], planes[scale, 2, start:]
+            for i in range(count):
+                cosine = steep * (x[i] * lx + y[i] * ly + z[i] * lz)
+                total[i] += k * max(-one, min(one, cosine))

@@ -18,10 +18,21 @@ from numpy.typing import NDArray
 from meshdepict.scales.space import ScaleSpace
 from meshdepict.shading.bands import SINGULAR_LIGHT, band_weights
 
-__all__ = ["CONFORMITY", "SATURATED", "STEEPEST", "FittedTones", "fitted_tones", "tone_moments"]
+__all__ = [
+    "CONFORMITY",
+    "SATURATED",
+    "STEEPEST",
+    "FittedTones",
+    "fitted_tones",
+    "relief_tones",
+    "tone_moments",
+]
 
 SATURATED = 0.3
 """Share of the samples that a band may turn black or white, over all directions of the light."""
+
+RELIEF_SATURATED = 0.08
+"""The same of terrain under one light, whose scales all show the slope that they have in common."""
 
 STEEPEST = 40.0
 """Exaggeration at most, within the paper's 25 to 50: normals off by 1e-4 show as a grey level."""
@@ -61,6 +72,31 @@ def fitted_tones(space: ScaleSpace, *, emphasis: float) -> FittedTones:
     return kept[emphasis]
 
 
+def relief_tones(space: ScaleSpace, *, emphasis: float) -> FittedTones:
+    """Return the numbers that fit terrain under one horizontal light; see `exaggerated`.
+
+    Each scale saturates `RELIEF_SATURATED` of the samples over all azimuths of the light; the base
+    is the paper's, and contrast is as for `fitted_tones`.
+    """
+    normals = _some(space.typical())
+    up = space.vertical.astype(np.float32)
+    level = [each - up * (each @ up)[:, None] for each in normals]
+    sines = [np.linalg.norm(each.astype(np.float64), axis=1) for each in level]
+    steep = tuple(_rounded(_steepness(each, RELIEF_SATURATED)) for each in sines)
+    if not normals.shape[1]:
+        return FittedTones(steep, 1.0, 1.0)
+    weights = band_weights(space.widths, space.ratio, emphasis=emphasis, contrast=1.0)
+    across = np.linalg.svd(up[None])[2][1:].astype(np.float32)  # two axes on the ground
+    turns = np.arange(_AZIMUTHS // 2) * (2 * math.pi / _AZIMUTHS)  # the others give the negative
+    lights = np.stack([np.cos(turns), np.sin(turns)], axis=1).astype(np.float32) @ across
+    sums = sum(
+        k * np.clip(np.float32(a) * (each @ lights.T), -1, 1)
+        for k, a, each in zip(weights, steep, level, strict=True)
+    )
+    high = float(np.quantile(np.abs(sums), 1 - _CLIPPED))
+    return FittedTones(steep, 1.0, _rounded(min(max(1 / max(high, 1e-9), 1.0), _MOST_CONTRAST)))
+
+
 def _fit(space: ScaleSpace, emphasis: float) -> FittedTones:
     normals = _some(space.typical())
     steep = tuple(_rounded(_steepness(_sines(fine, coarse))) for fine, coarse in pairwise(normals))
@@ -92,8 +128,8 @@ def _sines(fine: Single, coarse: Single) -> NDArray[np.float64]:
     return found
 
 
-def _steepness(sines: NDArray[np.float64]) -> float:
-    """Return the exaggeration that saturates `SATURATED` of the samples.
+def _steepness(sines: NDArray[np.float64], saturated: float = SATURATED) -> float:
+    """Return the exaggeration that saturates a share of the samples.
 
     The light lies in the plane of the coarser normal at an azimuth φ from the finer one's: a sample
     of the sine s is saturated where a·s·|cos φ| ≥ 1, in (2/π) acos(1/(a s)) of all azimuths.
@@ -103,12 +139,12 @@ def _steepness(sines: NDArray[np.float64]) -> float:
         least = 1 / np.maximum(steep * sines, 1)
         return float(np.mean(np.arccos(least))) * 2 / math.pi if len(sines) else 0.0
 
-    if share(STEEPEST) <= SATURATED:
+    if share(STEEPEST) <= saturated:
         return STEEPEST
     low, high = 0.0, math.log(STEEPEST)  # 1 saturates nothing: sines are at most 1
     for _ in range(30):
         middle = (low + high) / 2
-        low, high = (middle, high) if share(math.exp(middle)) < SATURATED else (low, middle)
+        low, high = (middle, high) if share(math.exp(middle)) < saturated else (low, middle)
     return math.exp(low)
 
 

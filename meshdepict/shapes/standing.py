@@ -62,6 +62,8 @@ def standing(shape: Any) -> Standing:
     Of a mesh that a quarter turn lays down, the answer turns with it, unless its format decides.
     Moving and scaling it changes nothing.
     """
+    if shape.kind == "height field":
+        return Standing("z", "top")
     if shape.kind != "mesh":  # a patient's frame, and what an image saw
         return Standing("z" if shape.kind == "volume" else "y", "front")
     seen = _Seen(shape)

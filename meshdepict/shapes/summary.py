@@ -7,7 +7,7 @@ from typing import Any
 
 from meshdepict.scene.vectors import Vector
 
-__all__ = ["data_rows", "image_rows", "mesh_rows", "volume_rows"]
+__all__ = ["data_rows", "height_rows", "image_rows", "mesh_rows", "volume_rows"]
 
 Row = tuple[str, str]
 
@@ -60,6 +60,29 @@ def image_rows(image: Any) -> Iterator[Row]:
     known = [name for name in ("openness", "colors", "mesh") if getattr(image, name) is not None]
     if known:
         yield "with", ", ".join(known)
+
+
+def height_rows(field: Any) -> Iterator[Row]:
+    """Yield size, heights and place of a height field."""
+    columns, rows = field.size
+    yield "cells", f"{columns} x {rows}"
+    missing = columns * rows - field.count
+    if missing:
+        yield "without a height", f"{missing:,} ({missing / (columns * rows):.1%})"
+    low, high = field.outline.min(axis=0), field.outline.max(axis=0)
+    yield "heights", f"{low[2]:.6g} … {high[2]:.6g} m"
+    along, down = field.spacing
+    yield "cell", f"{along:.6g} x {down:.6g} m" + (" (in the middle row)" if field.degrees else "")
+    yield "box", _spans(low, high)
+    yield "reference system", _system(field.crs) or "not said"
+    for key, text in field.attributes.items():
+        yield str(key).replace("_", " "), str(text)
+
+
+def _system(crs: str) -> str:
+    """Return the name of a reference system: what WKT has in its first quotes."""
+    quoted = crs.split('"')
+    return quoted[1] if len(quoted) > 2 else crs[:60]
 
 
 def _spans(low: Vector, high: Vector) -> str:

@@ -1,0 +1,117 @@
+"""The scale space of a height field: Gaussians of its gradient, cells without a height left out.
+
+The area-weighted mean normal of a height field is that of the mean gradient, n ∝ (−∇h, 1): with w
+1 where a gradient is known and 0 elsewhere, n(σ) is the direction of (−G_σ(w ∇h), G_σ(w)). Nothing
+bleeds from where nothing is known (normalised convolution), and borders mirror. A cell that has no
+neighbour along an axis knows no gradient, and weighs nothing either.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from meshdepict.heights.gradients import gradients
+from meshdepict.heights.normals import upward_normals
+from meshdepict.heights.smoothing import blurred
+from meshdepict.scales.ladder import TOLERANCE, Progress
+from meshdepict.scales.normal_sets import Fill
+from meshdepict.scales.space import ScaleSpace
+from meshdepict.shapes.height_field import HeightField
+
+if TYPE_CHECKING:
+    from meshdepict.curvature.principal import PrincipalCurvatures
+    from meshdepict.shapes.mesh import Mesh
+
+__all__ = ["HeightSpace", "height_space"]
+
+Single = NDArray[np.float32]
+
+
+class HeightSpace(ScaleSpace):
+    """Samples at the cells of a height field."""
+
+    shape: HeightField
+    _means_of_smoothing = ("_block",)
+
+    def __init__(
+        self, field: HeightField, widths: NDArray[np.float64], ratio: float, *, tolerance: float
+    ) -> None:
+        slopes, known = gradients(field.z, field.valid, field.steps)
+        own = np.empty((3, field.count), np.float32)
+        upward_normals(slopes, None, field.valid, own)
+        if not known.all():
+            slopes *= known
+            slopes = np.concatenate([slopes, known[None].astype(np.float32)])
+        self._block = slopes
+        super().__init__(field, field.points, widths, ratio, own, facing=0, tolerance=tolerance)
+
+    @property
+    def surface(self) -> Mesh:
+        """The ground as a mesh."""
+        return self.shape.mesh
+
+    @property
+    def vertical(self) -> NDArray[np.float64]:
+        """Up."""
+        return np.array([0.0, 0.0, 1.0])
+
+    def of_vertices(self, values: NDArray[Any]) -> NDArray[Any]:
+        """Return the values as they are: the ground's vertices are the samples."""
+        return values
+
+    def mean(self, values: NDArray[Any], width: float) -> NDArray[np.float64]:
+        """Return values averaged under a Gaussian over the cells that hold a height."""
+        field = self.shape
+        middle = float(np.mean(values))
+        weights = field.valid.astype(np.float32)
+        block = np.stack([field.image(np.asarray(values, np.float64) - middle), weights])
+        sums, mass = self._blurred(block, width)
+        found: NDArray[np.float64] = field.sample(sums) / field.sample(mass) + middle
+        return found
+
+    def _smoother(self) -> Fill:
+        def fill(scale: int, out: Single, done: Callable[[float], None] | None) -> None:
+            sums = self._blurred(self._block, float(self.widths[scale]))
+            mass = sums[2] if len(sums) > 2 else None
+            upward_normals(sums[:2], mass, self.shape.valid, out, self.planes_at(0))
+
+        return fill
+
+    def _blurred(self, block: NDArray[Any], width: float) -> NDArray[Any]:
+        along, down = (np.linalg.norm(self.shape.steps[..., step], axis=1) for step in (0, 1))
+        middle = float(down[len(down) // 2])
+        return blurred(block, width / middle, width / along, tolerance=self.tolerance)
+
+    def _made_from(self, scale: int) -> tuple[int, ...]:
+        return ()
+
+    def _principal(self, scale: int) -> PrincipalCurvatures:
+        from meshdepict.curvature.heights import height_curvatures
+        from meshdepict.curvature.principal import PrincipalCurvatures
+
+        k, d = height_curvatures(self.shape.index, self.planes_at(scale), self.shape.steps)
+        return PrincipalCurvatures(*k, *d)
+
+    def _turns(self, scale: int) -> Single:
+        from meshdepict.curvature.image import least_cosines
+
+        return least_cosines(self.shape.index, self.planes_at(scale))
+
+
+def height_space(
+    field: HeightField,
+    widths: NDArray[np.float64],
+    ratio: float,
+    *,
+    tolerance: float = TOLERANCE,
+    at_once: Iterable[int] | None = None,
+    progress: Progress | None = None,
+) -> HeightSpace:
+    """Return the normals of a height field at every width; see `scale_space`."""
+    space = HeightSpace(field, widths, float(ratio), tolerance=tolerance)
+    space.smooth(at_once, progress=progress)
+    return space
