@@ -1,8 +1,6 @@
-"""A height field's ground as a mesh, for rays, windows and formats that know triangles alone."""
+"""The ground as a mesh, for rays, windows and formats that know triangles alone."""
 
 from __future__ import annotations
-
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,34 +8,41 @@ from numpy.typing import NDArray
 from meshdepict.errors import MeshdepictError
 from meshdepict.shapes.mesh import Mesh
 
-if TYPE_CHECKING:
-    from meshdepict.shapes.height_field import HeightField
-
 __all__ = ["ground_mesh"]
 
 
-def ground_mesh(field: HeightField) -> Mesh:
-    """Return a mesh whose vertices are the samples of a height field, in their order.
+def ground_mesh(
+    points: NDArray[np.float64], index: NDArray[np.int32], *, mirrored: bool, length_unit: str
+) -> Mesh:
+    """Return a mesh of the cells of a raster that hold a height, a vertex each.
 
     Between four cells that hold heights stand two triangles, parted along the diagonal whose ends
     differ less, between three of them one; all look up.
+
+    Parameters
+    ----------
+    points : (n, 3) array
+        Of the cells.
+    index : (rows, columns) array of int
+        The point at each cell, negative where there is none.
+    mirrored : bool
+        Whether rows go north while columns go east.
+    length_unit : str
 
     Raises
     ------
     MeshdepictError
         Where nowhere three neighbours hold a height.
     """
-    index = field.index[1:-1, 1:-1]
-    # Round a square of cells: north-west, south-west, south-east, north-east, counter-clockwise
-    # where rows go south and columns east; the other way round in a mirrored raster.
+    # Round a square of cells: north-west, south-west, south-east, north-east.
     corners = np.stack(
         [index[:-1, :-1], index[1:, :-1], index[1:, 1:], index[:-1, 1:]], axis=-1
     ).reshape(-1, 4)
-    if np.linalg.det(field.steps[0]) > 0:
+    if mirrored:
         corners = corners[:, ::-1]
     there = corners >= 0
     squares = corners[there.all(axis=1)]
-    heights = field.points[:, 2]
+    heights = points[:, 2]
     other = np.abs(heights[squares[:, 0]] - heights[squares[:, 2]]) > np.abs(
         heights[squares[:, 1]] - heights[squares[:, 3]]
     )
@@ -51,4 +56,4 @@ def ground_mesh(field: HeightField) -> Mesh:
         raise MeshdepictError(
             "the heights are no surface: nowhere do three neighbouring cells all hold one"
         )
-    return Mesh(field.points, faces, winding="keep", length_unit=field.length_unit)
+    return Mesh(points, faces, winding="keep", length_unit=length_unit)

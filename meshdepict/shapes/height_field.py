@@ -305,7 +305,10 @@ class HeightField:
         """
         from meshdepict.shapes.ground import ground_mesh
 
-        return ground_mesh(self)
+        mirrored = bool(np.linalg.det(self.steps[0]) > 0)
+        return ground_mesh(
+            self.points, self.index[1:-1, 1:-1], mirrored=mirrored, length_unit=self.length_unit
+        )
 
 
 def _numbers(z: ArrayLike) -> NDArray[Any]:
