@@ -34,6 +34,9 @@ SATURATED = 0.3
 RELIEF_SATURATED = 0.08
 """The same of terrain under one light, whose scales all show the slope that they have in common."""
 
+RELIEF_STEEPEST = 1000.0
+"""Exaggeration at most on terrain: a plain rises by a thousandth, and its gradient is exact."""
+
 STEEPEST = 40.0
 """Exaggeration at most, within the paper's 25 to 50: normals off by 1e-4 show as a grey level."""
 
@@ -82,7 +85,7 @@ def relief_tones(space: ScaleSpace, *, emphasis: float) -> FittedTones:
     up = space.vertical.astype(np.float32)
     level = [each - up * (each @ up)[:, None] for each in normals]
     sines = [np.linalg.norm(each.astype(np.float64), axis=1) for each in level]
-    steep = tuple(_rounded(_steepness(each, RELIEF_SATURATED)) for each in sines)
+    steep = tuple(_rounded(_steepness(each, RELIEF_SATURATED, RELIEF_STEEPEST)) for each in sines)
     if not normals.shape[1]:
         return FittedTones(steep, 1.0, 1.0)
     weights = band_weights(space.widths, space.ratio, emphasis=emphasis, contrast=1.0)
@@ -128,7 +131,9 @@ def _sines(fine: Single, coarse: Single) -> NDArray[np.float64]:
     return found
 
 
-def _steepness(sines: NDArray[np.float64], saturated: float = SATURATED) -> float:
+def _steepness(
+    sines: NDArray[np.float64], saturated: float = SATURATED, steepest: float = STEEPEST
+) -> float:
     """Return the exaggeration that saturates a share of the samples.
 
     The light lies in the plane of the coarser normal at an azimuth φ from the finer one's: a sample
@@ -139,9 +144,9 @@ def _steepness(sines: NDArray[np.float64], saturated: float = SATURATED) -> floa
         least = 1 / np.maximum(steep * sines, 1)
         return float(np.mean(np.arccos(least))) * 2 / math.pi if len(sines) else 0.0
 
-    if share(STEEPEST) <= saturated:
-        return STEEPEST
-    low, high = 0.0, math.log(STEEPEST)  # 1 saturates nothing: sines are at most 1
+    if share(steepest) <= saturated:
+        return steepest
+    low, high = 0.0, math.log(steepest)  # 1 saturates nothing: sines are at most 1
     for _ in range(30):
         middle = (low + high) / 2
         low, high = (middle, high) if share(math.exp(middle)) < saturated else (low, middle)
