@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from meshdepict.threads import each, kernel, spans, thread_count
 
-__all__ = ["alignment", "blurred", "reach_of"]
+__all__ = ["alignment", "blurred", "halo", "reach_of"]
 
 Floats = NDArray[np.float64]
 
@@ -38,7 +38,14 @@ class _Steps(NamedTuple):
     weights: Floats
 
 
-def blurred(block: NDArray[Any], down: float, across: Floats, *, tolerance: float) -> NDArray[Any]:
+def blurred(
+    block: NDArray[Any],
+    down: float,
+    across: Floats,
+    *,
+    tolerance: float,
+    narrowest: float | None = None,
+) -> NDArray[Any]:
     """Return channels of a raster under a Gaussian.
 
     Parameters
@@ -50,14 +57,17 @@ def blurred(block: NDArray[Any], down: float, across: Floats, *, tolerance: floa
         In columns, for all rows or each of them.
     tolerance : float
         Share of the Gaussian that may be left out.
+    narrowest : float, optional
+        In columns, of all rows of the raster that this is a window of; of these unless given.
     """
     reach = reach_of(tolerance)
+    least = float(across.min()) if narrowest is None else narrowest
     values = np.ascontiguousarray(block, np.float32 if tolerance >= _DOUBLE else np.float64)
     rows, columns = values.shape[1:]
-    first, second = _passes(rows, np.array([down]), reach)
+    first, second = _passes(rows, np.array([down]), reach, down)
     values = _vertical(values, first)
     middle = np.clip(_middles(first, rows), 0, rows - 1)
-    for step in _passes(columns, across[middle] if len(across) > 1 else across, reach):
+    for step in _passes(columns, across[middle] if len(across) > 1 else across, reach, least):
         if step is not None:
             values = _horizontal(values, step)
     return values if second is None else _vertical(values, second)
@@ -73,42 +83,67 @@ def alignment(width: float) -> int:
     return _coarser(width)
 
 
+def halo(width: float, tolerance: float, least: float | None = None) -> int:
+    """Return how many cells around a window its sums take.
+
+    Parameters
+    ----------
+    width : float
+        In cells; of rows that differ the widest.
+    tolerance : float
+    least : float, optional
+        Of rows that differ the narrowest.
+    """
+    reach, m = reach_of(tolerance), _coarser(width if least is None else least)
+    beyond = _radius(reach * width + 1) + 1
+    return beyond if m == 1 else beyond + m * (math.ceil(reach * _UP) + 2)
+
+
 def _coarser(width: float) -> int:
     """Return m: how many cells are one for a width in cells."""
     most = width / math.hypot(_DOWN, _UP)
     return 1 if most < 2 else 1 << math.floor(math.log2(most))
 
 
-def _passes(count: int, widths: Floats, reach: float) -> tuple[_Steps, _Steps | None]:
+def _passes(count: int, widths: Floats, reach: float, least: float) -> tuple[_Steps, _Steps | None]:
     """Return the one pass, or the two, of Gaussians (rows or 1,) along an axis of `count` cells."""
     widths = np.minimum(widths, _WIDEST * count)
-    m = _coarser(float(widths.min()))
+    m = _coarser(min(least, _WIDEST * count))
     if m == 1:
-        radius = max(1, math.ceil(reach * float(widths.max())))
+        radius = _radius(reach * float(widths.max()))
         start = np.arange(count, dtype=np.int64) - radius
         offsets = np.arange(-radius, radius + 1.0)[None]
-        return _Steps(start, np.zeros(count, np.int64), _weights(offsets, widths)), None
+        return _Steps(start, np.zeros(count, np.int64), _weights(offsets, widths, reach)), None
     spare = math.ceil(reach * _UP) + 1  # coarse cells beyond the border: mirrored, too
     coarse = np.arange(-spare, -(-count // m) + spare, dtype=np.int64)
     narrow = np.sqrt(widths**2 - (_UP * m) ** 2)
-    radius = math.ceil(reach * float(narrow.max())) + 1
+    radius = _radius(reach * float(narrow.max()) + 1)
     middle = (m - 1) / 2  # of a coarse cell, in fine ones
     offsets = np.arange(-radius, radius + 1.0)[None] + 0.5  # m is even
     begin = coarse * m + math.ceil(middle) - radius
-    down = _Steps(begin, np.zeros(len(coarse), np.int64), _weights(offsets, narrow))
+    down = _Steps(begin, np.zeros(len(coarse), np.int64), _weights(offsets, narrow, reach))
     taps = np.arange(-spare + 1, spare)
     phases = np.arange(m)
     # The coarse cell that holds the fine one, and where its middle lies, in coarse cells.
     inside = (phases - middle) / m
-    weights = _weights(taps[None] - inside[:, None], np.array([_UP]))
+    weights = _weights(taps[None] - inside[:, None], np.array([_UP]), reach)
     fine = np.arange(count, dtype=np.int64)
     return down, _Steps(fine // m + taps[0] + spare, fine % m, weights)
 
 
-def _weights(offsets: Floats, widths: Floats) -> Floats:
+def _radius(reach: float) -> int:
+    """Return how many cells either side are summed: a multiple of four, as sums run.
+
+    A row whose Gaussian is narrower than others' has zeros there, and the same sum.
+    """
+    return max(4, 4 * math.ceil(reach / 4))
+
+
+def _weights(offsets: Floats, widths: Floats, reach: float) -> Floats:
     """Return Gaussians (rows, phases, taps) at offsets (phases, taps), each of the sum 1."""
-    scaled = offsets[None] / np.maximum(widths, 0.02)[:, None, None]
-    weights = np.exp(-0.5 * scaled**2)
+    widths = np.maximum(widths, 0.02)[:, None, None]
+    scaled = offsets[None] / widths
+    weights = np.where(np.abs(offsets) <= reach * widths + 1, np.exp(-0.5 * scaled**2), 0)
     found: Floats = weights / weights.sum(axis=2, keepdims=True)
     return found
 

@@ -82,9 +82,12 @@ class HeightSpace(ScaleSpace):
         return fill
 
     def _blurred(self, block: NDArray[Any], width: float) -> NDArray[Any]:
-        along, down = (np.linalg.norm(self.shape.steps[..., step], axis=1) for step in (0, 1))
-        middle = float(down[len(down) // 2])
-        return blurred(block, width / middle, width / along, tolerance=self.tolerance)
+        field = self.shape
+        along = np.linalg.norm(field.steps[..., 0], axis=1)
+        return blurred(
+            block, width / field.spacing[1], width / along,
+            tolerance=self.tolerance, narrowest=width / field.widest,
+        )  # fmt: skip
 
     def _made_from(self, scale: int) -> tuple[int, ...]:
         return ()

@@ -14,22 +14,22 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from meshdepict.errors import MeshdepictError
-from meshdepict.heights.cells import Transform, checked_transform, metric_steps, place_of
 from meshdepict.options import real
 from meshdepict.scene.vectors import frozen
 from meshdepict.shapes.fingerprint import fingerprint
+from meshdepict.shapes.raster_place import RasterPlace
 from meshdepict.shapes.summary import height_rows
 from meshdepict.shapes.table import html_table
 
 if TYPE_CHECKING:
     from meshdepict.shapes.mesh import Mesh
 
-__all__ = ["HeightField"]
+__all__ = ["HeightField", "window_of"]
 
 Floats = NDArray[np.float64]
 
 
-class HeightField:
+class HeightField(RasterPlace):
     """Samples at the cells of a raster that hold a height.
 
     Parameters
@@ -91,34 +91,17 @@ class HeightField:
         if not known.all():
             heights = np.where(known, heights, heights.dtype.type(0))
         self.z, self.valid = frozen(heights.view()), frozen(known)
-        rows, _ = self.z.shape
-        self.transform: Transform = checked_transform(
-            (1.0, 0.0, 0.0, 0.0, -1.0, float(rows)) if transform is None else transform
-        )
-        if not isinstance(crs, str) or not isinstance(degrees, bool):
-            raise MeshdepictError("crs is a text, WKT for instance, and degrees True or False")
-        metres = real(unit)
-        if metres is None or not 0 < metres < 1e12:
-            raise MeshdepictError(f"unit={unit!r} is not how many metres a unit has")
+        rows, columns = self.z.shape
+        usual = (1.0, 0.0, 0.0, 0.0, -1.0, float(rows))
+        super().__init__(
+            rows, columns, usual if transform is None else transform,
+            crs=crs, degrees=degrees, unit=unit,
+        )  # fmt: skip
         if attributes is not None and not isinstance(attributes, Mapping):
             raise MeshdepictError(f"attributes={attributes!r} is no mapping of names to values")
-        self.crs, self.degrees, self.unit = crs, degrees, 1.0 if degrees else metres
         self.attributes = dict(attributes or {})
-        self.steps = frozen(metric_steps(self.transform, rows, degrees=degrees, unit=self.unit))
 
     # --- the raster -------------------------------------------------------------------------
-
-    @property
-    def size(self) -> tuple[int, int]:
-        """Columns and rows."""
-        rows, columns = self.z.shape
-        return columns, rows
-
-    @cached_property
-    def spacing(self) -> tuple[float, float]:
-        """Metres along a row and down a column from cell to cell, in the middle row."""
-        along, down = np.linalg.norm(self.steps[len(self.steps) // 2], axis=0)
-        return float(along), float(down)
 
     @cached_property
     def whole(self) -> bool:
@@ -185,13 +168,9 @@ class HeightField:
         MeshdepictError
             Where no cell of it holds a height.
         """
-        (top, *_), (left, *_) = rows.indices(self.z.shape[0]), columns.indices(self.z.shape[1])
-        a, b, c, d, e, f = self.transform
-        moved = (a, b, c + a * left + b * top, d, e, f + d * left + e * top)
-        return HeightField(
-            self.z[rows, columns], transform=moved, crs=self.crs, degrees=self.degrees,
-            unit=self.unit, valid=self.valid[rows, columns], attributes=self.attributes,
-        )  # fmt: skip
+        top, left = rows.indices(self.z.shape[0])[0], columns.indices(self.z.shape[1])[0]
+        z, valid = self.z[rows, columns], self.valid[rows, columns]
+        return window_of(self, top, left, z, valid, attributes=self.attributes)
 
     def raised(self, factor: float) -> HeightField:
         """Return the same ground with its heights multiplied: cartographers' z factor.
@@ -231,16 +210,8 @@ class HeightField:
     def points(self) -> Floats:
         """(n, 3) positions of the samples in metres, row by row: east, north, up."""
         rows, columns = np.nonzero(self.valid)
-        east, north = self._place(rows.astype(np.float64), columns.astype(np.float64))
+        east, north = self.place(rows.astype(np.float64), columns.astype(np.float64))
         return frozen(np.stack([east, north, self.z[self.valid].astype(np.float64)], axis=1))
-
-    def _place(self, rows: Floats, columns: Floats) -> tuple[Floats, Floats]:
-        a, b, c, *_ = self.transform
-        high, wide = self.z.shape
-        middle = a * wide / 2 + b * high / 2 + c
-        return place_of(
-            self.transform, rows, columns, degrees=self.degrees, unit=self.unit, middle=middle
-        )
 
     @cached_property
     def _box(self) -> tuple[Floats, Floats]:
@@ -250,7 +221,7 @@ class HeightField:
         y, x = (grid.ravel() for grid in np.meshgrid(rows[[0, -1]], columns[[0, -1]]))
         if self.degrees:  # the widest row may be any
             y, x = np.repeat(rows, 2), np.tile(columns[[0, -1]], len(rows))
-        east, north = self._place(y, x)
+        east, north = self.place(y, x)
         z = self.z[self.valid] if not self.whole else self.z
         return (
             np.array([east.min(), north.min(), float(z.min())]),
@@ -276,11 +247,6 @@ class HeightField:
         low, high = self._box
         largest = float((high - low).max())
         return largest and largest * float(np.linalg.norm((high - low) / largest))
-
-    @cached_property
-    def edge_length(self) -> float:
-        """Metres from cell to cell, the shorter way."""
-        return min(self.spacing)
 
     def recentred(self, points: Floats) -> Floats:
         """Return positions (…, 3) relative to the centre, in diagonals."""
@@ -309,6 +275,31 @@ class HeightField:
         return ground_mesh(
             self.points, self.index[1:-1, 1:-1], mirrored=mirrored, length_unit=self.length_unit
         )
+
+
+def window_of(
+    place: RasterPlace,
+    row: int,
+    column: int,
+    z: NDArray[Any],
+    valid: NDArray[np.bool_],
+    *,
+    attributes: Mapping[str, Any] | None = None,
+) -> HeightField:
+    """Return a window of a raster that begins at a cell, in that raster's very steps.
+
+    Raises
+    ------
+    MeshdepictError
+        Where no cell of it holds a height.
+    """
+    field = HeightField(
+        z, transform=place.moved(row, column), crs=place.crs, degrees=place.degrees,
+        unit=place.unit, valid=valid, attributes=attributes,
+    )  # fmt: skip
+    if len(place.steps) > 1:  # computed again they would differ in their last digit
+        field.steps = place.steps[row : row + len(z)]
+    return field
 
 
 def _numbers(z: ArrayLike) -> NDArray[Any]:

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.ndimage import gaussian_filter
 
-from meshdepict.heights.smoothing import alignment, blurred, reach_of
+from meshdepict.heights.smoothing import alignment, blurred, halo
 
 
 @pytest.mark.parametrize("width", [0.6, 1.0, 2.7, 4.4, 4.5, 6.1, 9.0, 13.0, 40.0])
@@ -35,11 +35,11 @@ def test_a_window_gives_the_bits_of_the_whole(width):
     block = np.random.default_rng(3).normal(size=(1, 400, 420)).astype(np.float32)
     whole = blurred(block, width, np.array([width]), tolerance=1e-4)
     step = alignment(width)
-    halo = -(-int(np.ceil(2 * reach_of(1e-4) * width) + 4) // step) * step
+    around = -(-halo(width, 1e-4) // step) * step
     top, left = 16 * step, 12 * step
-    a, b = max(top - halo, 0), max(left - halo, 0)
+    a, b = max(top - around, 0), max(left - around, 0)
     part = blurred(
-        block[:, a : top + 40 + halo, b : left + 50 + halo], width, np.array([width]),
+        block[:, a : top + 40 + around, b : left + 50 + around], width, np.array([width]),
         tolerance=1e-4,
     )  # fmt: skip
     inside = part[:, top - a : top - a + 40, left - b : left - b + 50]
@@ -54,3 +54,17 @@ def test_rows_may_have_widths_of_their_own():
     for row in (0, 20, 49):
         exact = gaussian_filter(down[row], across[row], mode="reflect", truncate=9)
         np.testing.assert_allclose(found[0, row], exact, atol=1e-6)
+
+
+@pytest.mark.parametrize("width", [1.5, 12.0])
+def test_a_window_of_rows_of_their_own_widths_gives_the_bits_of_the_whole(width):
+    block = np.random.default_rng(5).normal(size=(1, 300, 220)).astype(np.float32)
+    across = width * np.linspace(1, 1.6, 300)
+    words = {"tolerance": 1e-4, "narrowest": width}
+    whole = blurred(block, width, across, **words)
+    step = alignment(width)
+    around = -(-halo(1.6 * width, 1e-4, width) // step) * step
+    top = 25 * step
+    a = max(top - around, 0)
+    part = blurred(block[:, a : top + 40 + around], width, across[a : top + 40 + around], **words)
+    assert np.array_equal(part[:, top - a : top - a + 40], whole[:, top : top + 40])
