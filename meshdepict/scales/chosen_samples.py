@@ -43,6 +43,11 @@ class ChosenSamples(ScaleSpace):
         """The whole surface."""
         return self._whole.surface
 
+    @property
+    def vertical(self) -> NDArray[np.float64]:
+        """What is up of the whole."""
+        return self._whole.vertical
+
     def of_vertices(self, values: NDArray[Any]) -> NDArray[Any]:
         """Return the values of those vertices that are there."""
         return self._whole.of_vertices(values)[self._chosen]

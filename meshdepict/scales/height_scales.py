@@ -17,6 +17,8 @@ from numpy.typing import NDArray
 from meshdepict.heights.gradients import gradients
 from meshdepict.heights.normals import upward_normals
 from meshdepict.heights.smoothing import blurred
+from meshdepict.heights.spread_cells import typical_cells
+from meshdepict.scales.chosen_samples import ChosenSamples
 from meshdepict.scales.ladder import TOLERANCE, Progress
 from meshdepict.scales.normal_sets import Fill
 from meshdepict.scales.space import ScaleSpace
@@ -58,6 +60,12 @@ class HeightSpace(ScaleSpace):
     def vertical(self) -> NDArray[np.float64]:
         """Up."""
         return np.array([0.0, 0.0, 1.0])
+
+    def typical(self) -> ScaleSpace:
+        """Return cells spread over the raster, the same ones whether it is whole or in windows."""
+        field = self.shape
+        columns, rows = field.size
+        return ChosenSamples(self, field.sample(typical_cells(rows, columns)))
 
     def of_vertices(self, values: NDArray[Any]) -> NDArray[Any]:
         """Return the values as they are: the ground's vertices are the samples."""

@@ -189,10 +189,7 @@ class HeightField(RasterPlace):
             heights = self.z * self.z.dtype.type(times)
         if not np.isfinite(heights).all():
             raise MeshdepictError(f"z_factor={factor:g} makes heights grow beyond all numbers")
-        return HeightField(
-            heights, transform=self.transform, crs=self.crs, degrees=self.degrees, unit=self.unit,
-            valid=self.valid, attributes=self.attributes,
-        )  # fmt: skip
+        return window_of(self, 0, 0, heights, self.valid, attributes=self.attributes)
 
     def __repr__(self) -> str:
         """Return size and spacing."""

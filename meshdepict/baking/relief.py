@@ -1,0 +1,246 @@
+"""Shaded relief of a terrain, window by window: as large as the disk, in bounded memory."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Iterator
+from typing import Any, NamedTuple, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from meshdepict import color
+from meshdepict.baking.choices import HEIGHTS, Choices
+from meshdepict.baking.provenance import describe
+from meshdepict.baking.windows import Cut, Window, cut_for
+from meshdepict.color import colormaps2d
+from meshdepict.errors import MeshdepictError
+from meshdepict.files.limits import max_memory
+from meshdepict.heights.spread_cells import typical_places
+from meshdepict.scales.gathered import GatheredSamples, Part
+from meshdepict.scales.height_scales import HeightSpace, height_space
+from meshdepict.scales.ladder import Progress, check_ladder, ladder
+from meshdepict.scene.names import Lighting, as_light
+from meshdepict.shapes.height_field import HeightField, window_of
+from meshdepict.shapes.lengths import resolve_width
+from meshdepict.shapes.raster_extent import RasterExtent
+
+__all__ = ["HeightWindows", "Relief", "Shaded"]
+
+
+class HeightWindows(Protocol):
+    """A raster of heights of which windows can be read; see `io.terrain.Terrain`."""
+
+    rows: int
+    cols: int
+    transform: Any
+    crs: str
+    degrees: bool
+    unit: float
+    attributes: dict[str, Any]
+
+    def read(self, rows: slice, cols: slice) -> tuple[NDArray[Any], NDArray[np.bool_]]:
+        """Return heights in metres, and where there are any."""
+
+
+class Shaded(NamedTuple):
+    """A window in its shading.
+
+    Attributes
+    ----------
+    rows, columns : slice
+        Of the raster.
+    colors : (h, w, 3) array of uint8
+        sRGB; 0 where there is no height.
+    values : (h, w) or (h, w, 3) array of float32
+        What the method returned, in [0, 1]; NaN where there is no height.
+    valid : (h, w) array of bool
+    """
+
+    rows: slice
+    columns: slice
+    colors: NDArray[np.uint8]
+    values: NDArray[np.float32]
+    valid: NDArray[np.bool_]
+
+
+class Relief:
+    """How a terrain is shaded; `windows` does it.
+
+    Parameters
+    ----------
+    terrain : HeightWindows or HeightField
+    look : Choices
+    memory : float, optional
+        Bytes that a window may take; half of the machine's memory unless given, or as
+        `files.limits.set_max_memory` was told.
+
+    Attributes
+    ----------
+    look : Choices
+        With all that followed from the terrain.
+    extent : RasterExtent
+    cut : Cut
+    provenance : dict of str
+
+    Raises
+    ------
+    MeshdepictError
+        For choices that are about other shapes, and windows that memory doesn't hold.
+    """
+
+    def __init__(
+        self, terrain: HeightWindows | HeightField, look: Choices, *, memory: float | None = None
+    ) -> None:
+        self._terrain = _InMemory(terrain) if isinstance(terrain, HeightField) else terrain
+        self._memory = max_memory() if memory is None else memory
+        source = self._terrain
+        self.extent = RasterExtent(
+            source.rows, source.cols, source.transform, crs=source.crs, degrees=source.degrees,
+            unit=source.unit, name=str(source.attributes.get("source", "")),
+        )  # fmt: skip
+        look = look.of_kind(HEIGHTS)
+        if look.refine is not None or look.albedo == "keep":
+            word = "refine" if look.refine is not None else "albedo"
+            raise MeshdepictError(f"{word} is about a mesh, and this is terrain: leave it out")
+        self._scales, self._ratio = look.ladder
+        check_ladder(self._scales, self._ratio, look.facing, look.tolerance)
+        self.eye = look.eye(self.extent)
+        self._widths = ladder(
+            self._scales, self._ratio, resolve_width(look.width, self.extent, self.eye)
+        )
+        self._light = look.lighting(self.eye, HEIGHTS)
+        self.look = look
+        self.cut = self._cut(look)
+        parts = self._typical() if look.following else []
+        typical = GatheredSamples(
+            self.extent, parts, self._widths, self._ratio, tolerance=look.tolerance
+        )
+        self.look = look.settled(typical if parts else None)
+        self.provenance = describe(self.look, typical, light=self._light)
+        if look.z_factor != 1:
+            self.provenance["z factor"] = f"{look.z_factor:g}"
+
+    @property
+    def linear(self) -> bool:
+        """Whether values are linear light."""
+        return self.look.declared.linear
+
+    def windows(self, progress: Progress | None = None) -> Iterator[Shaded]:
+        """Shade window after window.
+
+        Raises
+        ------
+        MeshdepictError
+            Where the terrain can't be read, or no cell of it has a height.
+        """
+        some = False
+        for done, window in enumerate(self.cut.windows(), 1):
+            field = self._field(window)
+            some = some or field is not None
+            yield self._shaded(field, window)
+            if progress:
+                progress(done, len(self.cut))
+        if not some:
+            raise MeshdepictError(f"{self.extent.name or 'the terrain'} holds no heights")
+
+    # --- one window -------------------------------------------------------------------------
+
+    def _field(self, window: Window) -> HeightField | None:
+        """Return a window with what is around it; None without a height where any is wanted."""
+        z, valid = self._terrain.read(window.outer_rows, window.outer_columns)
+        if not valid[window.inner].any():
+            return None
+        row, column = window.outer_rows.start, window.outer_columns.start
+        return window_of(self.extent, row, column, z, valid).raised(self.look.z_factor)
+
+    def _space(self, field: HeightField) -> HeightSpace:
+        """Return its scale space, with what the method reads."""
+        return height_space(
+            field, self._widths, self._ratio, tolerance=self.look.tolerance,
+            at_once=self.look.reads(self._scales).sets,
+        )  # fmt: skip
+
+    def _shaded(self, field: HeightField | None, window: Window) -> Shaded:
+        shape = tuple(part.stop - part.start for part in window[:2])
+        if field is None:
+            values = np.full(shape, np.nan, np.float32)
+            nothing = np.zeros(shape, bool)
+            return Shaded(*window[:2], np.zeros((*shape, 3), np.uint8), values, nothing)
+        space, look = self._space(field), self.look
+        if look.colormap2d is None:
+            intensity, linear = self._shade(self._light, space), self.linear
+        else:
+            shade = functools.partial(self._shade, space=space)
+            intensity = colormaps2d.both_lights(
+                shade, as_light(self._light), self.eye, look.colormap2d, linear=self.linear
+            )
+            linear = False
+        colors = color.encode(intensity, linear=linear, colormap=look.colormap)
+        inner = window.inner
+        return Shaded(
+            *window[:2],
+            field.image(colors)[inner],
+            field.image(intensity.astype(np.float32), background=np.nan)[inner],
+            field.valid[inner],
+        )
+
+    def _shade(self, light: Lighting, space: HeightSpace) -> NDArray[np.float32]:
+        return self.look.shade(space, light, self.eye)
+
+    # --- all of it --------------------------------------------------------------------------
+
+    def _cut(self, look: Choices) -> Cut:
+        reads = look.reads(self._scales)
+        averages = bool(reads.means) and not reads.rays  # which look no further than their widths
+        reach = 0.0 if look.declared.local or averages else np.inf
+        return cut_for(
+            self.extent, self._widths, reads,
+            tolerance=look.tolerance, reach=reach, memory=self._memory,
+        )  # fmt: skip
+
+    def _typical(self) -> list[Part]:
+        """Return the samples that numbers are fitted to, those of `HeightSpace.typical`."""
+        found = []
+        rows, columns = self.extent.size[::-1]
+        for down, across in typical_places(rows, columns):
+            for window, cells in self._pieces(down, across):
+                field = self._field(window)
+                if field is None:
+                    continue
+                chosen = np.zeros(field.valid.shape, bool)
+                chosen[window.inner] = cells
+                chosen &= field.valid
+                if chosen.any():
+                    some = field.sample(chosen)
+                    space = self._space(field)
+                    found.append((space.points[some], space.planes[:, :, some]))
+        return found
+
+    def _pieces(self, down: slice, across: slice) -> Iterator[tuple[Window, Any]]:
+        """Yield windows that hold some cells, with which of their own cells these are."""
+        if down.step is None:
+            yield self.cut.around(down, across), True
+            return
+        for window in self.cut.windows():
+            rows, columns = (np.arange(part.start, part.stop) for part in window[:2])
+            inside = [
+                (places >= span.start) & ((places - span.start) % span.step == 0)
+                for places, span in ((rows, down), (columns, across))
+            ]
+            yield window, np.logical_and.outer(*inside)
+
+
+class _InMemory:
+    """A height field as windows of it."""
+
+    def __init__(self, field: HeightField) -> None:
+        self._field = field
+        self.cols, self.rows = field.size
+        self.transform, self.crs = field.transform, field.crs
+        self.degrees, self.unit = field.degrees, field.unit
+        self.attributes = field.attributes
+
+    def read(self, rows: slice, cols: slice) -> tuple[NDArray[Any], NDArray[np.bool_]]:
+        """Return heights, and where there are any."""
+        return self._field.z[rows, cols], self._field.valid[rows, cols]
