@@ -50,7 +50,7 @@ def upward_normals(
     )
 
 
-@kernel("reordered")
+@kernel("contracted")
 def _normals(sums, mass, valid, first, finer, out, begin, end):  # type: ignore[no-untyped-def]
     columns = valid.shape[1]
     line = np.empty((4, columns), np.float32)

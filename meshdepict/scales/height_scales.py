@@ -74,11 +74,10 @@ class HeightSpace(ScaleSpace):
     def mean(self, values: NDArray[Any], width: float) -> NDArray[np.float64]:
         """Return values averaged under a Gaussian over the cells that hold a height."""
         field = self.shape
-        middle = float(np.mean(values))
         weights = field.valid.astype(np.float32)
-        block = np.stack([field.image(np.asarray(values, np.float64) - middle), weights])
+        block = np.stack([field.image(np.asarray(values, np.float64)), weights])
         sums, mass = self._blurred(block, width)
-        found: NDArray[np.float64] = field.sample(sums) / field.sample(mass) + middle
+        found: NDArray[np.float64] = field.sample(sums).astype(np.float64) / field.sample(mass)
         return found
 
     def _smoother(self) -> Fill:

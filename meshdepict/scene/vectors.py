@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from meshdepict.errors import MeshdepictError
 
-__all__ = ["Vector", "frozen", "numbers_of", "unit"]
+__all__ = ["Vector", "cosines", "frozen", "in_frame", "numbers_of", "unit"]
 
 Vector = NDArray[np.float64]
 
@@ -18,6 +18,22 @@ def frozen(array: NDArray[Any]) -> NDArray[Any]:
     """Make an array read-only, and return it."""
     array.setflags(write=False)
     return array
+
+
+def cosines(vectors: NDArray[Any], direction: ArrayLike) -> NDArray[Any]:
+    """Return the products (n,) of vectors (n, 3) with a direction (3,), in the vectors' type.
+
+    Of each vector the same bits wherever it stands among the others, which a product of matrices
+    doesn't give: windows of a raster then have no seams.
+    """
+    x, y, z = np.asarray(direction, vectors.dtype)
+    products: NDArray[Any] = vectors[:, 0] * x + vectors[:, 1] * y + vectors[:, 2] * z
+    return products
+
+
+def in_frame(vectors: NDArray[Any], axes: ArrayLike) -> NDArray[Any]:
+    """Return coordinates (n, k) of vectors (n, 3) along axes (k, 3); see `cosines`."""
+    return np.stack([cosines(vectors, axis) for axis in np.asarray(axes)], axis=1)
 
 
 def numbers_of(given: object) -> Vector:

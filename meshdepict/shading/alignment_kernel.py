@@ -43,7 +43,7 @@ _COS = tuple(
 )
 
 
-@kernel("reordered", inline=True)
+@kernel("contracted", inline=True)
 def arc_tangent(y, x):  # type: ignore[no-untyped-def]
     """Return atan2(y, x) for y, x ≥ 0 in float32, in [0, π/2]; 0 for (0, 0)."""
     t = min(y, x) / max(max(y, x), _TINY)
@@ -54,14 +54,14 @@ def arc_tangent(y, x):  # type: ignore[no-untyped-def]
     return _HALF_PI - p if y > x else p
 
 
-@kernel("reordered", inline=True)
+@kernel("contracted", inline=True)
 def sine(x):  # type: ignore[no-untyped-def]
     """Return sin x in float32 for |x| ≤ π/2."""
     s = x * x
     return x * (_SIN[0] + s * (_SIN[1] + s * (_SIN[2] + s * (_SIN[3] + s * _SIN[4]))))
 
 
-@kernel("reordered", inline=True)
+@kernel("contracted", inline=True)
 def cosine(x):  # type: ignore[no-untyped-def]
     """Return cos x in float32 for |x| ≤ π/2."""
     s = x * x
@@ -104,7 +104,7 @@ def align_chain(
     return lights.astype(np.float32, copy=False)
 
 
-@kernel("reordered")
+@kernel("contracted")
 def _chain(planes, strengths, fade, lights, begin, end):  # type: ignore[no-untyped-def]
     for start in range(begin, end, _BLOCK):
         stop = min(_BLOCK, end - start) + start
@@ -119,7 +119,7 @@ def _chain(planes, strengths, fade, lights, begin, end):  # type: ignore[no-unty
                 )  # fmt: skip
 
 
-@kernel("reordered")
+@kernel("contracted")
 def _rotate(nx, ny, nz, zx, zy, zz, strength, fade, lx, ly, lz):  # type: ignore[no-untyped-def]
     """Do `light_alignment.align` in place; without branches the loop runs in vector registers."""
     for i in range(len(lx)):
@@ -128,7 +128,7 @@ def _rotate(nx, ny, nz, zx, zy, zz, strength, fade, lx, ly, lz):  # type: ignore
         )
 
 
-@kernel("reordered", inline=True)
+@kernel("contracted", inline=True)
 def guided(n0, n1, n2, z0, z1, z2, l0, l1, l2):  # type: ignore[no-untyped-def]
     """Return the guide of a light, and what its confidence is made of.
 
@@ -155,7 +155,7 @@ def guided(n0, n1, n2, z0, z1, z2, l0, l1, l2):  # type: ignore[no-untyped-def]
     return g0 * scaled, g1 * scaled, g2 * scaled, abs(along_x), abs(along_y), level, length, sided
 
 
-@kernel("reordered", inline=True)
+@kernel("contracted", inline=True)
 def rotated(n0, n1, n2, z0, z1, z2, strength, fade, l0, l1, l2):  # type: ignore[no-untyped-def]
     """Return what `light_alignment.align` does, in single precision."""
     g0, g1, g2, x, y, level, length, sided = guided(n0, n1, n2, z0, z1, z2, l0, l1, l2)
@@ -173,7 +173,7 @@ def rotated(n0, n1, n2, z0, z1, z2, strength, fade, l0, l1, l2):  # type: ignore
     return a * l0 + b * t0, a * l1 + b * t1, a * l2 + b * t2
 
 
-@kernel("reordered", inline=True)
+@kernel("contracted", inline=True)
 def exactly_rotated(n0, n1, n2, z0, z1, z2, strength, fade, l0, l1, l2):  # type: ignore[no-untyped-def]
     """Return the same in double precision, without polynomials, of any guide and base."""
     n0, n1, n2 = np.float64(n0), np.float64(n1), np.float64(n2)
@@ -189,7 +189,7 @@ def exactly_rotated(n0, n1, n2, z0, z1, z2, strength, fade, l0, l1, l2):  # type
     return a * l0 + b * t0, a * l1 + b * t1, a * l2 + b * t2
 
 
-@kernel("reordered")
+@kernel("contracted")
 def _exact_chain(planes, strengths, fade, lights, begin, end):  # type: ignore[no-untyped-def]
     for i in range(begin, end):
         l0, l1, l2 = lights[0, i], lights[1, i], lights[2, i]

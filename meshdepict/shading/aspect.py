@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from meshdepict.scales.space import ScaleSpace
 from meshdepict.scene.names import LightLike, as_light, as_view
+from meshdepict.scene.vectors import in_frame
 from meshdepict.scene.view import View
 from meshdepict.shading.method import Exposure, exposed, method
 
@@ -29,10 +30,14 @@ def aspect(
     eye = as_view(view, space.shape)
     plane = eye.frame[:2]
     towards = plane @ as_light(light, eye).direction
-    slope = space.normals_at(0) @ plane.T.astype(np.float32)
+    slope = in_frame(space.normals_at(0), plane)
     steepness = np.linalg.norm(slope, axis=1)
     size = float(np.linalg.norm(towards))
     towards = (towards / size if size > _LEVEL else np.zeros(2)).astype(np.float32)
     sloping = steepness > _LEVEL
-    cosine = np.where(sloping, slope @ towards / np.where(sloping, steepness, 1), np.float32(0))
+    cosine = np.where(
+        sloping,
+        (slope[:, 0] * towards[0] + slope[:, 1] * towards[1]) / np.where(sloping, steepness, 1),
+        np.float32(0),
+    )
     return exposed((1 + cosine) / 2, exposure)

@@ -24,6 +24,7 @@ from meshdepict.scene.material import (
     diffuse_term,
     specular_term,
 )
+from meshdepict.scene.vectors import cosines
 from meshdepict.shading.features import Frames, Scaling
 from meshdepict.shading.material_kinds import (
     ASHIKHMIN_SHIRLEY,
@@ -144,7 +145,7 @@ def _unwarped(
     local = axes @ light
     stretch = warp_scale(frames.ku, warping), warp_scale(frames.kv, warping)
     back = np.einsum("nij,ni->nj", axes, unwarp(local, *stretch))
-    both = np.minimum(normals @ light, np.einsum("ni,ni->n", normals, back)) > 0
+    both = np.minimum(cosines(normals, light), np.einsum("ni,ni->n", normals, back)) > 0
     return back, np.where(both, jacobian(local, *stretch), np.float32(0))
 
 

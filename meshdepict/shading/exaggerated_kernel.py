@@ -42,7 +42,7 @@ def combine_bands(
     return sums
 
 
-@kernel("reordered")
+@kernel("contracted")
 def _combine(planes, light, weights, exaggeration, singular, remoteness, sums, begin, end):  # type: ignore[no-untyped-def]
     last = len(planes) - 1
     lx, ly, lz = light[0], light[1], light[2]
@@ -89,7 +89,7 @@ def combine_cosines(
     return sums
 
 
-@kernel("reordered")
+@kernel("contracted")
 def _cosines(planes, light, weights, exaggeration, sums, begin, end):  # type: ignore[no-untyped-def]
     lx, ly, lz = light[0], light[1], light[2]
     one = np.float32(1)

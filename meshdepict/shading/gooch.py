@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from meshdepict.options import Range
 from meshdepict.scales.space import ScaleSpace
 from meshdepict.scene.names import LightLike, as_light
+from meshdepict.scene.vectors import cosines
 from meshdepict.shading.method import Exposure, exposed, method
 
 __all__ = ["gooch", "tones"]
@@ -52,6 +53,6 @@ def gooch(
         Display colours in [0, 1].
     """
     direction = as_light(light).direction.astype(np.float32)
-    share = ((1 + space.normals_at(0) @ direction) / 2)[:, None]
+    share = ((1 + cosines(space.normals_at(0), direction)) / 2)[:, None]
     low, high = tones(surface, blue=blue, yellow=yellow, cool=cool, warm=warm)
     return exposed(share * high + (1 - share) * low, exposure)

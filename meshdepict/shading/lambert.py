@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from meshdepict.scales.space import ScaleSpace
 from meshdepict.scene.names import LightLike, as_light
+from meshdepict.scene.vectors import cosines
 from meshdepict.shading.method import Exposure, exposed, method
 
 __all__ = ["half_lambert", "lambert"]
@@ -29,4 +30,4 @@ def half_lambert(
 
 
 def _cosine(space: ScaleSpace, light: LightLike) -> NDArray[np.float32]:
-    return space.normals_at(0) @ as_light(light).direction.astype(np.float32)
+    return cosines(space.normals_at(0), as_light(light).direction)

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from meshdepict.options import Choice
 from meshdepict.scales.space import ScaleSpace
+from meshdepict.scene.vectors import in_frame
 from meshdepict.scene.view import View
 from meshdepict.shading.features import sight
 from meshdepict.shading.method import Exposure, exposed, method
@@ -46,4 +47,10 @@ def lit_sphere(
         Display colours in [0, 1].
     """
     frame = sight(view, space, fitted=False).frame.astype(np.float32)
-    return exposed(painted(sphere_picture(sphere), space.normals_at(0) @ frame.T), exposure)
+    return exposed(
+        painted(
+            sphere_picture(sphere),
+            in_frame(space.normals_at(0), frame),
+        ),
+        exposure,
+    )

@@ -20,7 +20,7 @@ _PI = np.float32(math.pi)
 _MOST_PARTS = 2
 
 
-@kernel("reordered")
+@kernel("contracted")
 def _about(cosines, solids, turns, a, b, c, x, y, z, weight):  # type: ignore[no-untyped-def]
     """Write samples about an axis a, and the solid angles they stand for."""
     for k in range(len(cosines)):
@@ -33,7 +33,7 @@ def _about(cosines, solids, turns, a, b, c, x, y, z, weight):  # type: ignore[no
         weight[k] = solids[k]
 
 
-@kernel("reordered")
+@kernel("contracted")
 def _mirrored(ex, ey, ez, ne, nh, x, y, z, weight, seen, cosine):  # type: ignore[no-untyped-def]
     """Turn half vectors into directions, and their solid angles with them; write e·h and n·l."""
     for k in range(len(x)):
@@ -45,7 +45,7 @@ def _mirrored(ex, ey, ez, ne, nh, x, y, z, weight, seen, cosine):  # type: ignor
         cosine[k] = twice * nh[k] - ne
 
 
-@kernel("reordered")
+@kernel("contracted")
 def _aligned(g, m, strength, fade, exact, x, y, z):  # type: ignore[no-untyped-def]
     """Align samples with a guide g over a base m."""
     if exact:
@@ -60,7 +60,7 @@ def _aligned(g, m, strength, fade, exact, x, y, z):  # type: ignore[no-untyped-d
         x[k], y[k], z[k] = rotated(g0, g1, g2, m0, m1, m2, strength, fade, x[k], y[k], z[k])
 
 
-@kernel("reordered")
+@kernel("contracted")
 def _parted(ex, ey, ez, nx, ny, nz, count, seen, x, y, z, solid, value):  # type: ignore[no-untyped-def]
     """Part what is seen at grazing angles; return how many there are then.
 
@@ -90,7 +90,7 @@ def _parted(ex, ey, ez, nx, ny, nz, count, seen, x, y, z, solid, value):  # type
     return more
 
 
-@kernel("reordered")
+@kernel("contracted")
 def _warped(scale_u, scale_v, nx, ny, nz, x, y, z, solid, value):  # type: ignore[no-untyped-def]
     """Warp directions; nothing counts unless both lie in the hemisphere of n (eq. 1)."""
     for k in range(len(x)):
@@ -105,7 +105,7 @@ def _warped(scale_u, scale_v, nx, ny, nz, x, y, z, solid, value):  # type: ignor
         solid[k] *= t * t * scale_u * scale_v
 
 
-@kernel("reordered")
+@kernel("contracted")
 def _places(to_picture, x, y, z, solid, widest, starts, rows, columns, ratio, bits, place):  # type: ignore[no-untyped-def]
     """Write which texel of which copy each direction is to be looked up at."""
     _on_picture(to_picture, x, y, z)
@@ -121,7 +121,7 @@ def _places(to_picture, x, y, z, solid, widest, starts, rows, columns, ratio, bi
         place[k] = starts[level] + row * wide + column
 
 
-@kernel("reordered")
+@kernel("contracted")
 def _on_picture(to_picture, x, y, z):  # type: ignore[no-untyped-def]
     """Turn x and y of directions into shares of a picture's width and height."""
     t00, t01, t02 = to_picture[0, 0], to_picture[0, 1], to_picture[0, 2]
@@ -139,7 +139,7 @@ def _on_picture(to_picture, x, y, z):  # type: ignore[no-untyped-def]
         x[k], y[k] = azimuth / _PI * _HALF + _HALF, polar / _PI
 
 
-@kernel("reordered")
+@kernel("contracted")
 def sum_lobes(  # type: ignore[no-untyped-def]
     planes, eyes, kind, parameters, halves, ku, kv, u, v, z, numbers, strengths, fade, exact,
     cosines, solids, turns, lobe, texels, starts, rows, columns, upright, widest, between, out,

@@ -87,7 +87,7 @@ def sum_lights(
     return out
 
 
-@kernel("reordered")
+@kernel("contracted")
 def _sum(  # type: ignore[no-untyped-def]
     normals, eyes, lights, colors, kind, parameters, shiny, ku, kv, u, v, z, numbers, environment,
     out, begin, end,

@@ -27,12 +27,12 @@ _TINY = np.float32(1e-30)
 _GRAZING = np.float32(1e-4)  # material.GRAZING
 
 
-@kernel("reordered")
+@kernel("contracted")
 def _fifth(x):  # type: ignore[no-untyped-def]
     return x * x * (x * x) * x
 
 
-@kernel("reordered")
+@kernel("contracted")
 def diffuse(kind, parameters, cosine, ne, term, delta):  # type: ignore[no-untyped-def]
     """Write `material.diffuse_term` and its reflectance mapping δ."""
     share, reflectance, power = parameters[0], parameters[1], parameters[2]
@@ -61,7 +61,7 @@ def diffuse(kind, parameters, cosine, ne, term, delta):  # type: ignore[no-untyp
             term[k] = share * delta[k]
 
 
-@kernel("reordered")
+@kernel("contracted")
 def specular(kind, parameters, faint, local, cosine, nx, ny, nz, ex, ey, ez, ne, term, delta):  # type: ignore[no-untyped-def]
     """Write `material.specular_term` and its reflectance mapping δ.
 
@@ -102,7 +102,7 @@ def specular(kind, parameters, faint, local, cosine, nx, ny, nz, ex, ey, ez, ne,
             term[k] = lobe * mirror * nl / (eh * max(nl, seen))
 
 
-@kernel("reordered")
+@kernel("contracted")
 def specular_of_halves(kind, parameters, lobe, nh, seen_under, cosine, ne, term):  # type: ignore[no-untyped-def]
     """Write the same for half vectors whose n·h and e·h are known, and the lobe with them.
 

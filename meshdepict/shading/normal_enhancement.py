@@ -11,6 +11,7 @@ from meshdepict.options import Range
 from meshdepict.scales.reads import Reads
 from meshdepict.scales.space import ScaleSpace
 from meshdepict.scene.names import LightLike, as_light
+from meshdepict.scene.vectors import cosines
 from meshdepict.shading.method import Exposure, exposed, method, require_smoothing
 
 __all__ = ["enhanced_normals", "normal_enhancement"]
@@ -62,5 +63,5 @@ def normal_enhancement(
     require_smoothing(space, "normal enhancement", scales=5)
     smoothed = space.normals_at(space.last if amount else 0)
     normals = enhanced_normals(space.normals_at(0), smoothed, amount)
-    cosine = normals @ as_light(light).direction.astype(np.float32)
+    cosine = cosines(normals, as_light(light).direction)
     return exposed(np.maximum(cosine, 0), exposure)

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from meshdepict.scales.space import ScaleSpace
+from meshdepict.scene.vectors import cosines
 from meshdepict.threads import each, kernel, spans, thread_count
 
 __all__ = ["combine_bent_bands", "principal_light"]
@@ -64,7 +65,7 @@ def combine_bent_bands(
     """
     count = len(space.points)
     single = light.astype(np.float32)
-    base = space.normals_at(space.last) @ single
+    base = cosines(space.normals_at(space.last), single)
     sums = (weights[-1].astype(np.float32) * base).astype(np.float32)
     pieces = spans(count, thread_count() if count > 20_000 else 1)
     for scale in range(len(space.widths) - 1):

@@ -17,7 +17,7 @@ _ZERO, _ONE = np.float32(0), np.float32(1)
 MOST_EXPONENT = np.float32(60)  # radiance_scaling: e^60 is a float32 that may still be multiplied
 
 
-@kernel("reordered")
+@kernel("contracted")
 def factors(magnitude, alpha, convexity, mean, slant, local, term, delta, factor):  # type: ignore[no-untyped-def]
     """Write `radiance_scaling.scaling` for κ(l), which is one number where isotropic."""
     beta = _ONE - alpha
@@ -36,7 +36,7 @@ def factors(magnitude, alpha, convexity, mean, slant, local, term, delta, factor
             factor[k] = (low * e + high) / (low + high * e)
 
 
-@kernel("reordered")
+@kernel("contracted")
 def _faded(magnitude, convexity):  # type: ignore[no-untyped-def]
     """Return E = e^−γκ."""
     return np.float32(math.exp(max(-MOST_EXPONENT, min(MOST_EXPONENT, -magnitude * convexity))))

@@ -20,6 +20,7 @@ from meshdepict.scene.material import (
     towards_visible,
 )
 from meshdepict.scene.names import LightsLike
+from meshdepict.scene.vectors import in_frame
 from meshdepict.scene.view import View
 from meshdepict.shading.features import Frames, eyes
 from meshdepict.shading.painted import painted, sphere_picture
@@ -79,7 +80,7 @@ def sphere_colors(space: ScaleSpace, view: View, material: LitSphere, convexity:
     """Return linear colours (n, 3) of one lit sphere, or of two mixed by convexity."""
     from meshdepict.color.srgb import srgb_to_linear
 
-    normals = space.normals_at(0) @ view.frame.T.astype(np.float32)
+    normals = in_frame(space.normals_at(0), view.frame)
     colors = painted(sphere_picture(material.convex), normals)
     if material.concave is not None:
         within: NDArray[Any] = np.clip((0.2 + convexity / 2) / 0.4, 0, 1)[:, None]

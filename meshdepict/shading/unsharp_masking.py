@@ -11,6 +11,7 @@ from meshdepict.options import Range
 from meshdepict.scales.reads import Reads
 from meshdepict.scales.space import ScaleSpace
 from meshdepict.scene.names import LightLike, as_light
+from meshdepict.scene.vectors import cosines
 from meshdepict.shading.method import Exposure, exposed, method, require_smoothing
 
 __all__ = ["unsharp_masking"]
@@ -53,7 +54,7 @@ def unsharp_masking(
     """
     require_smoothing(space, "unsharp masking", scales=5)
     direction = as_light(light).direction.astype(np.float32)
-    c = np.maximum(space.normals_at(0) @ direction, 0)
+    c = np.maximum(cosines(space.normals_at(0), direction), 0)
     if not amount:
         return exposed(c, exposure)
     mean = np.clip(space.mean(c, float(space.widths[-1])), 0, 1).astype(np.float32)

@@ -18,7 +18,7 @@ _TINY = np.float32(1e-30)
 _SIXTH = np.float32(1 / 6)
 
 
-@kernel("reordered", inline=True)
+@kernel("contracted", inline=True)
 def turned(turn, x, y, z):  # type: ignore[no-untyped-def]
     """Return a vector in the frame whose axes are the rows of `turn`."""
     return (
@@ -28,7 +28,7 @@ def turned(turn, x, y, z):  # type: ignore[no-untyped-def]
     )
 
 
-@kernel("reordered")
+@kernel("contracted")
 def lights_at(world, turn, local):  # type: ignore[no-untyped-def]
     """Write all lights (3, k) in the frame, not warped."""
     for a in range(3):
@@ -37,14 +37,14 @@ def lights_at(world, turn, local):  # type: ignore[no-untyped-def]
             local[a, k] = x * world[0, k] + y * world[1, k] + z * world[2, k]
 
 
-@kernel("reordered")
+@kernel("contracted")
 def stretch(product):  # type: ignore[no-untyped-def]
     """Return `warp_equations.warp_scale`."""
     tangent = np.float32(math.tan(math.atan(product) * _SIXTH))
     return (_ONE + tangent) / (_ONE - tangent)
 
 
-@kernel("reordered")
+@kernel("contracted")
 def unwarp(world, turn, scale_u, scale_v, nx, ny, nz, local, weight):  # type: ignore[no-untyped-def]
     """Write W⁻¹(l') and J, zero unless both directions lie in the hemisphere of n (eq. 2)."""
     a, b = _ONE / scale_u, _ONE / scale_v
@@ -69,7 +69,7 @@ def unwarp(world, turn, scale_u, scale_v, nx, ny, nz, local, weight):  # type: i
         weight[k] = jacobian if min(before, after) > _ZERO else _ZERO
 
 
-@kernel("reordered")
+@kernel("contracted")
 def look_up(environment, local, turn, scale_u, scale_v, nx, ny, nz, weight, colors, radiance):  # type: ignore[no-untyped-def]
     """Write L(W(l)), zero unless both directions lie in the hemisphere of n (eq. 1)."""
     height, width, channels = environment.shape

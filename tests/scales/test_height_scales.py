@@ -147,3 +147,19 @@ def test_every_method_shades_terrain_with_gaps(name):
     assert np.isfinite(values).all()
     assert values.min() >= 0
     assert values.max() <= 1
+
+
+@pytest.mark.parametrize("name", sorted(md.shading.METHODS))
+def test_any_number_of_threads_gives_the_same_bits(name):
+    from meshdepict import threads
+
+    y, x = np.mgrid[:150, :170]
+    field = HeightField(np.sin(x / 5.0) * np.cos(y / 9.0) + 0.01 * ((x * 7 + y * 13) % 11))
+    found = []
+    try:
+        for count in (1, 3):
+            threads.limit(count)
+            found.append(md.bake(field, name).intensity)
+    finally:
+        threads.limit(None)
+    assert np.array_equal(*found)
