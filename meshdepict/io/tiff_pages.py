@@ -20,9 +20,10 @@ _NAMES = {
     254: "subfile", 256: "width", 257: "height", 258: "bits", 259: "compression",
     262: "photometric", 270: "description", 273: "offsets", 277: "samples", 279: "lengths",
     282: "resolution", 283: "resolution_y", 322: "tile", 339: "format",
+    33550: "map_scale", 33922: "map_points", 34264: "map_transform", 34735: "map_keys",
 }  # fmt: skip
 _MOST_PAGES = 1 << 20
-_FLOATS = (5, 10, 11, 12)  # types of entries; only resolutions have them
+_FLOATS = (5, 10, 11, 12)  # types of entries; only resolutions and places on a map have them
 
 
 @dataclass
@@ -50,6 +51,12 @@ class Page:
     def shape(self) -> tuple[int, int]:
         """Rows and columns."""
         return self.get("height", 0), self.get("width", 0)
+
+    @property
+    def on_map(self) -> bool:
+        """Whether it says where on a map it lies: a GeoTIFF."""
+        keys = self.entries.get("map_keys", [])
+        return len(keys) > 4 or any(self.entries.get(f"map_{n}") for n in ("scale", "transform"))
 
     @property
     def alike(self) -> tuple[Any, ...]:
@@ -114,7 +121,7 @@ def _page(file: BinaryIO, at: int, most: int, order: str, *, is_big: bool) -> tu
     for entry in range(count):
         tag, kind = struct.unpack_from(order + "HH", table, entry * length)
         name = _NAMES.get(tag)
-        floats = kind in _FLOATS and not str(name).startswith("resolution")
+        floats = kind in _FLOATS and not str(name).startswith(("resolution", "map"))
         if name is None or kind not in _SIZES or floats:
             continue
         (number,) = struct.unpack_from(order + letter, table, entry * length + 4)
