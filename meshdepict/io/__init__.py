@@ -21,6 +21,7 @@ from meshdepict.files.atomic import atomic_write
 from meshdepict.files.mark import MARK
 from meshdepict.files.reach import regular
 from meshdepict.io.source import FORMATS, WRITABLE, format_of, opened, suffix_of, unmarked
+from meshdepict.io.tiff_pages import TIFF_MARKS
 from meshdepict.shapes.document import Contents, Saving
 
 if TYPE_CHECKING:
@@ -152,7 +153,7 @@ def write_mesh(
 def read_provenance(path: str | os.PathLike[str]) -> list[str] | None:
     """Return the lines that this program wrote about a file into it, None where there are none.
 
-    Reads no further than it must: of a PLY file only the header.
+    Reads no further than it must: of a PLY file only the header, of a TIFF its first directory.
 
     Raises
     ------
@@ -161,6 +162,10 @@ def read_provenance(path: str | os.PathLike[str]) -> list[str] | None:
     """
     with opened(path) as file:
         start = file.peek(4096)  # type: ignore[attr-defined]
+        if start[:4] in TIFF_MARKS:
+            from meshdepict.io.relief_tiff import tiff_provenance
+
+            return tiff_provenance(Path(path))
         try:
             found = _module(format_of(path, start, -1)).provenance(file)
         except MeshdepictError:  # whatever it is, this program didn't write it

@@ -10,7 +10,7 @@ from meshdepict.errors import MeshdepictError
 from meshdepict.io.esri_grid import is_esri_grid, open_esri_grid
 from meshdepict.io.height_source import HeightSource
 from meshdepict.io.source import format_of, opened, unmarked
-from meshdepict.io.tiff_pages import Page, scale_of, tiff_pages
+from meshdepict.io.tiff_pages import TIFF_MARKS, Page, scale_of, tiff_pages
 from meshdepict.io.usgs_dem import is_usgs_dem, open_usgs_dem
 
 __all__ = ["RASTERS", "heights_format", "is_map_tiff", "is_mesh", "is_tiff_path", "open_source"]
@@ -21,13 +21,12 @@ RASTERS = (
 )  # fmt: skip
 """Suffixes that rasters have and neither meshes nor volumes."""
 
-_TIFF = (b"II*\0", b"MM\0*", b"II+\0", b"MM\0+")
 _BEGINNING = 4096
 
 
 def _is_tiff(start: bytes) -> bool:
     """Whether a file begins as TIFF does."""
-    return start[:4] in _TIFF
+    return start[:4] in TIFF_MARKS
 
 
 def is_tiff_path(path: str | os.PathLike[str]) -> bool:

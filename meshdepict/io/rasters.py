@@ -40,7 +40,6 @@ _COLOURS = (
 )  # fmt: skip
 _NO_PLACE = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0)  # GDAL's way to say that there is none
 _PICTURES = ("PNG", "JPEG", "BMP", "PNM", "JP2OpenJPEG")
-_FAULTS = (ArithmeticError, LookupError, OSError, RuntimeError, TypeError, ValueError)
 
 
 def open_raster(path: Path, band: int, unit: str) -> HeightSource:
@@ -101,7 +100,7 @@ class _Raster:
                 self._dataset = rasterio.io.DatasetReader(
                     os.path.abspath(self._path), driver=list(_DRIVERS)
                 )
-            except _FAULTS as error:
+            except Exception as error:
                 raise MeshdepictError(
                     f"is cut off, damaged or no raster that rasterio opens: {said(error)}"
                 ) from error
@@ -123,13 +122,13 @@ class _Raster:
                 valid = np.ones(raw.shape, bool)
                 if self.is_masked:
                     valid = dataset.read_masks(self._band, window=window) > 0
-            except _FAULTS as error:
+            except MemoryError:
+                raise MeshdepictError("takes more memory than there is") from None
+            except Exception as error:  # GDAL's own have no class in common but this one
                 raise MeshdepictError(
                     f"is cut off or damaged: cells of its rows {rows.start + 1:,} to "
                     f"{rows.stop:,} can't be read ({said(error)})"
                 ) from error
-            except MemoryError:
-                raise MeshdepictError("takes more memory than there is") from None
         return heights_of(raw, valid, self.scale, self.offset)
 
 

@@ -12,7 +12,10 @@ from typing import Any, BinaryIO
 from meshdepict.errors import MeshdepictError
 from meshdepict.voxels.length_unit import MILLIMETRES, length_unit
 
-__all__ = ["Page", "Scale", "scale_of", "tiff_pages"]
+__all__ = ["TIFF_MARKS", "Page", "Scale", "scale_of", "tiff_pages"]
+
+TIFF_MARKS = (b"II*\0", b"MM\0*", b"II+\0", b"MM\0+")
+"""How a TIFF begins: two orders of bytes, two widths of places."""
 
 _SIZES = {1: 1, 2: 1, 3: 2, 4: 4, 5: 8, 6: 1, 7: 1, 8: 2, 9: 4, 10: 8, 11: 4, 12: 8, 13: 4, 16: 8}
 _LETTERS = {1: "B", 3: "H", 4: "I", 6: "b", 8: "h", 9: "i", 11: "f", 12: "d", 13: "I", 16: "Q"}
@@ -82,7 +85,7 @@ def tiff_pages(path: Path) -> list[Page]:
     with path.open("rb") as file:
         head = file.read(16)
         order = {b"II": "<", b"MM": ">"}.get(head[:2], "")
-        if not order or head[2:4] not in (b"*\0", b"\0*", b"+\0", b"\0+"):
+        if head[:4] not in TIFF_MARKS:
             raise MeshdepictError(f"is cut off, damaged or no TIFF: {path.name}")
         is_big = head[2:4] in (b"+\0", b"\0+")  # version 43
         try:
