@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import os
+import sys
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from meshdepict.errors import MeshdepictError
+from meshdepict.files.library_noise import library_noise
 from meshdepict.files.limits import check_claim
 from meshdepict.heights.cells import checked_transform
 from meshdepict.io.crs import units_of
@@ -88,10 +90,14 @@ class _Raster:
         """Give the dataset, which stays open if all goes well."""
         with gdal("reading GeoTIFF, and all but .asc, .dem and .npy,") as rasterio:
             try:
-                yield self.dataset(rasterio)
-            except BaseException:
+                with library_noise([]):  # libtiff's, of files that are cut off
+                    yield self.dataset(rasterio)
+            except MeshdepictError:
                 self.release()
                 raise
+            except Exception as error:  # GDAL's own have no class in common but this one
+                self.release()
+                raise MeshdepictError(f"is cut off or damaged: {said(error)}") from error
 
     def dataset(self, rasterio: Any) -> Any:
         """Return the dataset."""
@@ -114,7 +120,9 @@ class _Raster:
 
     def read(self, rows: slice, cols: slice) -> Cells:
         """Return heights, scaled, and where there are any."""
-        with gdal("reading rasters") as rasterio:
+        # Where a bar shows progress on the same stderr, it matters more than libtiff's words.
+        quiet = nullcontext() if sys.stderr and sys.stderr.isatty() else library_noise([])
+        with gdal("reading rasters") as rasterio, quiet:
             dataset = self.dataset(rasterio)
             window = ((rows.start, rows.stop), (cols.start, cols.stop))
             try:

@@ -100,7 +100,9 @@ def tiff_pages(path: Path) -> list[Page]:
                     page.description = ""
                 if not page.get("subfile", 0) & 1:
                     pages.append(page)
-        except (struct.error, OverflowError, OSError) as error:
+        except (struct.error, OverflowError, ValueError, OSError) as error:
+            if isinstance(error, MeshdepictError):
+                raise
             if isinstance(error, OSError) and error.errno not in (22, None):  # a place before 0
                 raise
             raise MeshdepictError(f"is cut off or damaged: {path.name}") from error
