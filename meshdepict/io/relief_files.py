@@ -8,7 +8,6 @@ from __future__ import annotations
 import os
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -17,57 +16,16 @@ from numpy.typing import ArrayLike, NDArray
 
 from meshdepict.errors import MeshdepictError, printable
 from meshdepict.files.mark import MARK, SOFTWARE
-from meshdepict.heights.cells import Transform
+from meshdepict.io.relief_layout import KINDS, ReliefLayout
 from meshdepict.io.terrain import Terrain
 
 if TYPE_CHECKING:
     from meshdepict.shapes.height_field import HeightField
 
-__all__ = ["BLOCK", "RELIEFS", "ReliefLayout", "ReliefWriter", "check_relief", "relief_writer"]
+__all__ = ["RELIEFS", "ReliefWriter", "check_relief", "relief_writer"]
 
 RELIEFS = (".tif", ".tiff", ".png", ".jpg", ".jpeg")
 """Suffixes of what `relief_writer` writes."""
-
-BLOCK = 512
-"""Rows and columns of a GeoTIFF's tiles: windows of whole tiles are written fastest."""
-
-KINDS = {"gray": 1, "color": 3, "values": 1}
-"""What a cell may hold, and in how many bands."""
-
-
-@dataclass(frozen=True)
-class ReliefLayout:
-    """What a file of relief holds, and where it lies.
-
-    Attributes
-    ----------
-    rows, cols : int
-    transform : tuple of six floats
-    crs : str
-    kind : "gray", "color" or "values"
-    point_or_area : str
-        What a cell of the input stands for, in GDAL's words.
-    lines : tuple of str
-        Provenance, a line each.
-    """
-
-    rows: int
-    cols: int
-    transform: Transform
-    crs: str
-    kind: str
-    point_or_area: str
-    lines: tuple[str, ...]
-
-    @property
-    def bands(self) -> int:
-        """Bands without the one that says where there is something."""
-        return KINDS[self.kind]
-
-    @property
-    def dtype(self) -> np.dtype[Any]:
-        """The numbers' type."""
-        return np.dtype(np.float32 if self.kind == "values" else np.uint8)
 
 
 class ReliefWriter:
@@ -84,7 +42,7 @@ class ReliefWriter:
         Parameters
         ----------
         rows, cols : slice
-            Without steps.
+            Without steps; a GeoTIFF takes windows of whole tiles of 512 fastest.
         values : (rows, cols) or (rows, cols, 3) array_like
             sRGB as uint8, or numbers.
         valid : (rows, cols) array_like of bool, optional

@@ -6,7 +6,7 @@ import os
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, BinaryIO
+from typing import Any, BinaryIO
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,10 +15,8 @@ from meshdepict.errors import MeshdepictError
 from meshdepict.files.atomic import atomic_write
 from meshdepict.files.limits import as_text, max_memory
 from meshdepict.io.gdal import gdal
+from meshdepict.io.relief_layout import ReliefLayout
 from meshdepict.io.world_files import auxiliary, world
-
-if TYPE_CHECKING:
-    from meshdepict.io.relief_files import ReliefLayout
 
 __all__ = ["check_relief_picture", "written_picture"]
 

@@ -10,7 +10,7 @@ import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from numpy.typing import NDArray
 
@@ -19,11 +19,9 @@ from meshdepict.files.atomic import atomic_write
 from meshdepict.files.library_noise import library_noise
 from meshdepict.files.mark import MARK, SOFTWARE
 from meshdepict.io.gdal import gdal, said
+from meshdepict.io.relief_layout import ReliefLayout
 from meshdepict.io.tiff_pages import tiff_pages
 from meshdepict.threads import thread_count
-
-if TYPE_CHECKING:
-    from meshdepict.io.relief_files import ReliefLayout
 
 __all__ = ["check_tiff", "tiff_provenance", "written_tiff"]
 

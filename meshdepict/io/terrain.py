@@ -144,20 +144,19 @@ class Terrain:
 
     def window(self, rows: slice | None = None, cols: slice | None = None) -> HeightField:
         """Return a part as a `HeightField` at its place; see `read`."""
-        from meshdepict.shapes.height_field import HeightField
+        from meshdepict.shapes.height_field import window_of
+        from meshdepict.shapes.raster_place import RasterPlace
 
         down, across = _span(rows, self.rows, "rows"), _span(cols, self.cols, "cols")
         z, valid = self.read(down, across)
-        a, b, c, d, e, f = self.transform
-        row, col = down.start, across.start
-        place = (a, b, c + a * col + b * row, d, e, f + d * col + e * row)
         with _named(self._name):
             if not valid.any():
                 raise MeshdepictError("holds no heights: all of its cells are no data")
-            return HeightField(
-                z, transform=place, crs=self.crs, degrees=self.degrees, unit=self.unit, valid=valid,
-                attributes=self.attributes,
+            place = RasterPlace(
+                self.rows, self.cols, self.transform,
+                crs=self.crs, degrees=self.degrees, unit=self.unit,
             )  # fmt: skip
+            return window_of(place, down.start, across.start, z, valid, attributes=self.attributes)
 
     def close(self) -> None:
         """Close the files; reading opens them again."""

@@ -57,7 +57,7 @@ def test_a_window_is_a_part_of_the_whole_bit_for_bit(tmp_path, big):
                 if valid.any():
                     part, wanted = terrain.window(rows, cols), whole.window(rows, cols)
                     np.testing.assert_array_equal(part.z, wanted.z)
-                    assert part.transform == pytest.approx(wanted.transform, rel=1e-12)
+                    assert part.transform == wanted.transform
                     assert part.crs == wanted.crs
 
 
@@ -74,7 +74,7 @@ def test_a_window_of_feet_in_degrees_is_a_part_of_the_whole(tmp_path, big):
     with terrain:
         part = terrain.window(slice(60, 90), slice(5, 50))
     np.testing.assert_array_equal(part.z, whole.z[60:90, 5:50])
-    np.testing.assert_allclose(part.steps, whole.steps[60:90], rtol=1e-12)
+    np.testing.assert_array_equal(part.steps, whole.steps[60:90])
 
 
 def test_a_closed_terrain_is_opened_again_by_reading(tmp_path):
