@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from meshdepict.congruence.comparison import compare
     from meshdepict.errors import MeshdepictError, MeshdepictWarning
     from meshdepict.io import read, read_mesh
+    from meshdepict.io.heightfields import read_heightfield
     from meshdepict.io.volumes import read_volume
     from meshdepict.scales.making import scale_space, smooth_normals
     from meshdepict.scales.space import ScaleSpace
@@ -61,6 +62,7 @@ __all__ = [
     "methods",
     "plate",
     "read",
+    "read_heightfield",
     "read_mesh",
     "read_volume",
     "samples",
@@ -92,6 +94,7 @@ _HOME = {
     "methods": "baking.method_list",
     "plate": "baking.plates",
     "read": "io",
+    "read_heightfield": "io.heightfields",
     "read_mesh": "io",
     "read_volume": "io.volumes",
     "save_recipe": "baking.recipe",

@@ -10,6 +10,7 @@ import warnings
 from pathlib import Path
 
 import numpy as np
+from terrain_tables import height_table, relief_table
 
 import meshdepict as md
 from meshdepict.io import read_mesh, read_provenance, write_mesh
@@ -96,10 +97,12 @@ def _rgba(path: Path) -> tuple[np.ndarray, bool]:
 
 
 def tables() -> list[str]:
-    """Return both tables."""
+    """Return all tables."""
     with tempfile.TemporaryDirectory() as folder, warnings.catch_warnings():
         warnings.simplefilter("ignore")  # what a format can't hold is said, here it is the answer
-        return [*mesh_table(Path(folder)), "", *volume_table(Path(folder))]
+        home = Path(folder)
+        found = [mesh_table(home), volume_table(home), height_table(home), relief_table(home)]
+        return [line for table in found for line in (*table, "")]
 
 
 if __name__ == "__main__":

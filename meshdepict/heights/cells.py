@@ -43,7 +43,7 @@ def checked_transform(transform: ArrayLike) -> Transform:
         )
     a, b, _, d, e, _ = numbers
     across, down = math.hypot(a, d), math.hypot(b, e)
-    if not (across > 0 and down > 0 and math.isfinite(across * down)):
+    if not 0 < across * down < math.inf:
         raise MeshdepictError(f"transform={transform!r:.80} gives its cells no area")
     if abs((a / across) * (b / down) + (d / across) * (e / down)) > _SHEAR:
         raise MeshdepictError(

@@ -1,6 +1,6 @@
 """Reading and writing meshes: PLY, OBJ, OFF, STL, GLB, glTF and VTP, each also as ``.gz``.
 
-`volumes` reads and writes volumes.
+`volumes` reads and writes volumes, `heightfields` reads terrain.
 """
 
 from __future__ import annotations
@@ -19,12 +19,15 @@ from meshdepict.errors import MeshdepictError
 from meshdepict.files.any_numbers import any_numbers, quiet
 from meshdepict.files.atomic import atomic_write
 from meshdepict.files.mark import MARK
+from meshdepict.files.reach import regular
 from meshdepict.io.source import FORMATS, WRITABLE, format_of, opened, suffix_of, unmarked
+from meshdepict.io.tiff_pages import TIFF_MARKS
 from meshdepict.shapes.document import Contents, Saving
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
+    from meshdepict.shapes.height_field import HeightField
     from meshdepict.shapes.mesh import Mesh
     from meshdepict.shapes.volume import Volume
 
@@ -37,16 +40,23 @@ _UNFORESEEN = (
 __all__ = ["atomic_write", "read", "read_mesh", "read_provenance", "write_mesh"]
 
 
-def read(path: str | os.PathLike[str], *, winding: str = "auto") -> Mesh | Volume:
+def read(path: str | os.PathLike[str], *, winding: str = "auto") -> Mesh | HeightField | Volume:
     """Read whatever a file or a folder holds, by its content and its suffix.
 
-    A mesh as `read_mesh` does (see there for `winding`), or a volume as `volumes.read_volume`,
-    which know more to choose and say what can go wrong. A ``.tif`` may hold anything:
-    `read_volume` takes it for slices.
+    A mesh as `read_mesh` does (see there for `winding`), a volume as `volumes.read_volume`, or a
+    terrain as `heightfields.read_heightfield`, which know more to choose and say what can go
+    wrong. A ``.tif`` that says where on a map it lies is a terrain, a stack of pages a volume.
     """
+    from meshdepict.io.height_formats import is_tiff_path
+    from meshdepict.io.heightfields import is_heightfield_path, read_heightfield
     from meshdepict.io.volumes import is_volume_path, read_volume
 
-    return read_volume(path) if is_volume_path(path) else read_mesh(path, winding=winding)
+    regular(path)
+    if is_heightfield_path(path):
+        return read_heightfield(path)
+    if is_volume_path(path) or is_tiff_path(path):
+        return read_volume(path)
+    return read_mesh(path, winding=winding)
 
 
 def read_mesh(path: str | os.PathLike[str], *, winding: str = "auto") -> Mesh:
@@ -143,7 +153,7 @@ def write_mesh(
 def read_provenance(path: str | os.PathLike[str]) -> list[str] | None:
     """Return the lines that this program wrote about a file into it, None where there are none.
 
-    Reads no further than it must: of a PLY file only the header.
+    Reads no further than it must: of a PLY file only the header, of a TIFF its first directory.
 
     Raises
     ------
@@ -152,6 +162,10 @@ def read_provenance(path: str | os.PathLike[str]) -> list[str] | None:
     """
     with opened(path) as file:
         start = file.peek(4096)  # type: ignore[attr-defined]
+        if start[:4] in TIFF_MARKS:
+            from meshdepict.io.relief_tiff import tiff_provenance
+
+            return tiff_provenance(Path(path))
         try:
             found = _module(format_of(path, start, -1)).provenance(file)
         except MeshdepictError:  # whatever it is, this program didn't write it

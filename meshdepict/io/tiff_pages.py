@@ -12,7 +12,10 @@ from typing import Any, BinaryIO
 from meshdepict.errors import MeshdepictError
 from meshdepict.voxels.length_unit import MILLIMETRES, length_unit
 
-__all__ = ["Page", "Scale", "scale_of", "tiff_pages"]
+__all__ = ["TIFF_MARKS", "Page", "Scale", "scale_of", "tiff_pages"]
+
+TIFF_MARKS = (b"II*\0", b"MM\0*", b"II+\0", b"MM\0+")
+"""How a TIFF begins: two orders of bytes, two widths of places."""
 
 _SIZES = {1: 1, 2: 1, 3: 2, 4: 4, 5: 8, 6: 1, 7: 1, 8: 2, 9: 4, 10: 8, 11: 4, 12: 8, 13: 4, 16: 8}
 _LETTERS = {1: "B", 3: "H", 4: "I", 6: "b", 8: "h", 9: "i", 11: "f", 12: "d", 13: "I", 16: "Q"}
@@ -20,9 +23,10 @@ _NAMES = {
     254: "subfile", 256: "width", 257: "height", 258: "bits", 259: "compression",
     262: "photometric", 270: "description", 273: "offsets", 277: "samples", 279: "lengths",
     282: "resolution", 283: "resolution_y", 322: "tile", 339: "format",
+    33550: "map_scale", 33922: "map_points", 34264: "map_transform", 34735: "map_keys",
 }  # fmt: skip
 _MOST_PAGES = 1 << 20
-_FLOATS = (5, 10, 11, 12)  # types of entries; only resolutions have them
+_FLOATS = (5, 10, 11, 12)  # types of entries; only resolutions and places on a map have them
 
 
 @dataclass
@@ -52,6 +56,12 @@ class Page:
         return self.get("height", 0), self.get("width", 0)
 
     @property
+    def on_map(self) -> bool:
+        """Whether it says where on a map it lies: a GeoTIFF."""
+        keys = self.entries.get("map_keys", [])
+        return len(keys) > 4 or any(self.entries.get(f"map_{n}") for n in ("scale", "transform"))
+
+    @property
     def alike(self) -> tuple[Any, ...]:
         """What all pages of a stack have in common."""
         return self.shape, self.kind, self.get("samples", 1), self.get("photometric", 1)
@@ -75,7 +85,7 @@ def tiff_pages(path: Path) -> list[Page]:
     with path.open("rb") as file:
         head = file.read(16)
         order = {b"II": "<", b"MM": ">"}.get(head[:2], "")
-        if not order or head[2:4] not in (b"*\0", b"\0*", b"+\0", b"\0+"):
+        if head[:4] not in TIFF_MARKS:
             raise MeshdepictError(f"is cut off, damaged or no TIFF: {path.name}")
         is_big = head[2:4] in (b"+\0", b"\0+")  # version 43
         try:
@@ -90,7 +100,9 @@ def tiff_pages(path: Path) -> list[Page]:
                     page.description = ""
                 if not page.get("subfile", 0) & 1:
                     pages.append(page)
-        except (struct.error, OverflowError, OSError) as error:
+        except (struct.error, OverflowError, ValueError, OSError) as error:
+            if isinstance(error, MeshdepictError):
+                raise
             if isinstance(error, OSError) and error.errno not in (22, None):  # a place before 0
                 raise
             raise MeshdepictError(f"is cut off or damaged: {path.name}") from error
@@ -114,7 +126,7 @@ def _page(file: BinaryIO, at: int, most: int, order: str, *, is_big: bool) -> tu
     for entry in range(count):
         tag, kind = struct.unpack_from(order + "HH", table, entry * length)
         name = _NAMES.get(tag)
-        floats = kind in _FLOATS and not str(name).startswith("resolution")
+        floats = kind in _FLOATS and not str(name).startswith(("resolution", "map"))
         if name is None or kind not in _SIZES or floats:
             continue
         (number,) = struct.unpack_from(order + letter, table, entry * length + 4)

@@ -39,7 +39,7 @@ WRITABLE_VOLUMES = (".vti", ".nrrd", ".mha", ".nii", ".nii.gz")
 def is_volume_path(path: str | os.PathLike[str]) -> bool:
     """Whether `read_volume` is to read this: a folder, a volume's suffix, or DICOM without one.
 
-    A ``.tif`` is none here: it may as well be an elevation model.
+    A ``.tif`` is none here: it may as well be a terrain.
     """
     path = Path(path)
     if path.is_dir():
@@ -261,6 +261,8 @@ def _has_dicom(folder: Path) -> bool:
 
 def _contents(path: Path, kind: str, series: str | int | None, tilt: str) -> VolumeContents:
     """Return what a file or folder holds."""
+    from meshdepict.io.height_formats import is_map_tiff
+
     if kind == "dicom":
         from meshdepict.io.dicom import read_dicom
 
@@ -281,6 +283,11 @@ def _contents(path: Path, kind: str, series: str | int | None, tilt: str) -> Vol
         from meshdepict.io.vti import read_vti
 
         return read_vti(path)
+    if kind == "tiff" and is_map_tiff(path):
+        raise MeshdepictError(
+            "is an elevation model or another map (GeoTIFF), not a volume: read it as a height "
+            "field"
+        )
     if kind == "tiff":
         from meshdepict.io.tiff_stack import read_tiff
 

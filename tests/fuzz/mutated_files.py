@@ -10,10 +10,12 @@ from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
+from height_seeds import height_seeds
 from volume_seeds import volume_seeds
 
 import meshdepict as md
 from meshdepict.io import write_mesh
+from meshdepict.io.heightfields import read_heightfield
 from meshdepict.io.volumes import read_volume
 
 Bytes = Callable[[bytes, np.random.Generator], bytes]
@@ -38,7 +40,7 @@ def seeds(folder: Path) -> dict[str, bytes]:
     found["ascii.stl"], found["binary.stl"] = _ascii_stl(ball), _binary_stl(ball)
     found["textured.obj"] = _textured_obj(ball)
     found["embedded.gltf"] = _gltf(found["ball.glb"])
-    found |= _vtp(folder, found["quads.vtp"]) | volume_seeds(folder)
+    found |= _vtp(folder, found["quads.vtp"]) | volume_seeds(folder) | height_seeds(folder)
     md.save_recipe(folder / "look.toml", {"method": "exaggerated", "light": (30, 40)})
     found["look.recipe.toml"] = (folder / "look.toml").read_bytes()
     function = md.TransferFunction([(0, 0, "#102030"), (500, 0.5, (1, 0.5, 0))], name="mine")
@@ -59,7 +61,13 @@ def open_file(path: Path) -> str:
     if path.suffix == ".hdr":
         assert np.isfinite(md.Environment.from_file(path).pixels).all()
         return "environment"
-    shape = read_volume(path) if path.suffix == ".tif" else md.read(path)
+    if path.suffix == ".tif":
+        shape = read_heightfield(path) if path.name.startswith("map") else read_volume(path)
+    else:
+        shape = md.read(path)
+    if shape.kind == "height field":
+        assert np.isfinite(shape.z).all()
+        return "terrain"
     if shape.kind == "volume":
         assert np.isfinite(shape.range).all()
         return "volume"

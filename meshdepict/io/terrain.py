@@ -1,0 +1,291 @@
+"""A raster of heights on the disk, of which windows are read: it may be larger than memory."""
+
+from __future__ import annotations
+
+import os
+import warnings
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from types import TracebackType
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from meshdepict.errors import MeshdepictError, MeshdepictWarning
+from meshdepict.files.any_numbers import any_numbers
+from meshdepict.files.limits import as_text, check_claim, max_memory
+from meshdepict.files.reach import regular
+from meshdepict.heights.cells import Transform
+from meshdepict.io.height_formats import open_source
+from meshdepict.io.height_source import Cells, HeightSource
+from meshdepict.io.height_units import chosen_unit
+from meshdepict.io.tiles import mosaic
+
+if TYPE_CHECKING:
+    from meshdepict.shapes.height_field import HeightField
+
+__all__ = ["Paths", "Terrain"]
+
+Paths = str | os.PathLike[str] | Sequence[str | os.PathLike[str]]
+
+_VERBS = (
+    "is", "has", "holds", "lacks", "says", "names", "counts", "claims", "places", "resamples",
+    "declares", "takes", "needs",
+)  # fmt: skip
+_LOOK = 256  # rows and columns from the middle that are looked at
+_STEEP = 20.0  # metres of height in a metre: no terrain, but degrees that nobody called so
+
+
+class Terrain:
+    """A raster of heights, opened and not read.
+
+    One thread at a time reads from it. Close it, or use it in a ``with`` statement.
+
+    Parameters
+    ----------
+    paths : str, path-like or sequence of them
+        A file as for `meshdepict.io.heightfields.read_heightfield`, or tiles of one grid.
+    band : int
+        Which of a raster's bands holds heights, from 1.
+    unit : str, optional
+        What heights are in ("m", "ft", "us-ft", …), whatever the file says.
+
+    Attributes
+    ----------
+    rows, cols : int
+    transform : tuple of six floats
+        From columns and rows, counted from the first cell's corner, to x and y: `HeightField`'s.
+    crs : str
+    degrees : bool
+    unit : float
+        Metres of a unit of the transform.
+    attributes : dict
+        What else is known.
+
+    Raises
+    ------
+    MeshdepictError
+        For what is no raster of heights: one sentence that begins with the file's name.
+    """
+
+    def __init__(self, paths: Paths, *, band: int = 1, unit: str | None = None) -> None:
+        files = _files(paths)
+        name = chosen_unit(unit)
+        if isinstance(band, bool) or not isinstance(band, int):
+            raise MeshdepictError(f"band={band!r} is no number of a band: the first is 1")
+        sources: list[HeightSource] = []
+        try:
+            for path in files:
+                with _named(path):
+                    sources.append(open_source(path, band, name))
+                    if len(files) > 64:  # as many as are kept open
+                        sources[-1].release()
+            names = [str(path) for path in files]
+            self._source = sources[0] if len(files) == 1 else mosaic(sources, names)
+        except BaseException:
+            for source in sources:
+                source.release()
+            raise
+        self._name = names[0] if len(files) == 1 else f"{names[0]} and {len(files) - 1:,} more"
+        self.rows, self.cols = self._source.rows, self._source.cols
+        self.transform: Transform = self._source.transform
+        self.crs, self.degrees = self._source.crs, self._source.degrees
+        self.unit = self._source.unit
+        self.attributes: dict[str, Any] = dict(self._source.attributes) | {"source": self._name}
+        try:
+            with _named(self._name):
+                self._check_place(sources)
+        except BaseException:
+            self.close()
+            raise
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Rows and columns."""
+        return self.rows, self.cols
+
+    @property
+    def bytes_per_cell(self) -> int:
+        """What a cell takes in memory: its height, and whether there is one."""
+        return self._source.kind.itemsize + 1
+
+    def check_whole(self) -> None:
+        """Refuse to read all of it where so small a file can't honestly hold so many cells."""
+        with _named(self._name):
+            check_claim(self.rows * self.cols * self.bytes_per_cell, self._source.size, "cells")
+
+    def read(self, rows: slice | None = None, cols: slice | None = None) -> Cells:
+        """Return the heights of a window in metres, 0 where there are none, and where there are.
+
+        Parameters
+        ----------
+        rows, cols : slice, optional
+            Without steps; None: all of them.
+
+        Raises
+        ------
+        MeshdepictError
+            For damaged files, and windows that memory doesn't hold.
+        """
+        down, across = _span(rows, self.rows, "rows"), _span(cols, self.cols, "cols")
+        count = (down.stop - down.start) * (across.stop - across.start)
+        needed = count * self.bytes_per_cell
+        with _named(self._name):
+            if needed > max_memory():
+                raise MeshdepictError(
+                    f"has {count:,} cells, which take more than the {as_text(max_memory())} of "
+                    "memory that are allowed: work in windows (meshdepict relief), or allow more "
+                    "with --max-memory"
+                )
+            with any_numbers():
+                return self._source.read(down, across)
+
+    def window(self, rows: slice | None = None, cols: slice | None = None) -> HeightField:
+        """Return a part as a `HeightField` at its place; see `read`."""
+        from meshdepict.shapes.height_field import window_of
+        from meshdepict.shapes.raster_place import RasterPlace
+
+        down, across = _span(rows, self.rows, "rows"), _span(cols, self.cols, "cols")
+        z, valid = self.read(down, across)
+        with _named(self._name):
+            if not valid.any():
+                raise MeshdepictError("holds no heights: all of its cells are no data")
+            place = RasterPlace(
+                self.rows, self.cols, self.transform,
+                crs=self.crs, degrees=self.degrees, unit=self.unit,
+            )  # fmt: skip
+            return window_of(place, down.start, across.start, z, valid, attributes=self.attributes)
+
+    def close(self) -> None:
+        """Close the files; reading opens them again."""
+        self._source.release()
+
+    def __enter__(self) -> Terrain:
+        """Return itself."""
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        """Close the files."""
+        self.close()
+
+    def __repr__(self) -> str:
+        """Return the size and the file."""
+        return f"<Terrain: {self.rows} x {self.cols} cells of {self._name}>"
+
+    def _check_place(self, sources: Sequence[HeightSource]) -> None:
+        notes = [note for source in sources for note in source.notes]
+        if self.degrees:
+            low, high = _latitudes(self)
+            if not (low >= -90 and high <= 90):
+                raise MeshdepictError(
+                    f"has latitudes from {low:g} to {high:g} by its reference system, which is in "
+                    "degrees: state the system that its coordinates are in (gdal_edit -a_srs)"
+                )
+            notes.append("its degrees are scaled by latitude, row by row")
+        elif not self.crs and self._source.is_placed:
+            self._refuse_hidden_degrees()
+            notes.append("it has no coordinate reference system: its cells count as metres")
+        if notes:
+            text = "; ".join(dict.fromkeys(notes))
+            warnings.warn(f"{self._name}: {text}", MeshdepictWarning, stacklevel=3)
+
+    def _refuse_hidden_degrees(self) -> None:
+        """Refuse a grid whose heights make sense in degrees only.
+
+        Within 360 x 180 degrees there is also a tablet under a scanner. But where steps of a
+        thousandth are degrees, neighbours differ by metres.
+        """
+        x, y = _corners(self)
+        fits = min(x) >= -360 and max(x) <= 360 and min(y) >= -91 and max(y) <= 91
+        step = float(np.sqrt(abs(np.linalg.det(_linear(self)))))
+        if not fits or step > 1:
+            return
+        spans = [slice((n - min(n, _LOOK)) // 2, (n + min(n, _LOOK)) // 2) for n in self.shape]
+        z, valid = self._source.read(*spans)
+        steps = [
+            np.abs(np.diff(z, axis=axis))[_pairs(valid, axis)].astype(np.float64) for axis in (0, 1)
+        ]
+        found = np.concatenate(steps)
+        if len(found) and found.mean() > _STEEP * step:
+            raise MeshdepictError(
+                "has no coordinate reference system, and its coordinates look like degrees: state "
+                "the system first (gdal_edit -a_srs EPSG:4326, or a .prj beside the file)"
+            )
+
+
+def _pairs(valid: Any, axis: int) -> Any:
+    return valid[1:] & valid[:-1] if axis == 0 else valid[:, 1:] & valid[:, :-1]
+
+
+def _linear(terrain: Terrain) -> Any:
+    a, b, _, d, e, _ = terrain.transform
+    return np.array([[a, b], [d, e]])
+
+
+def _corners(terrain: Terrain) -> tuple[list[float], list[float]]:
+    """Return x and y of the four corners."""
+    a, b, c, d, e, f = terrain.transform
+    ends = [(col, row) for col in (0, terrain.cols) for row in (0, terrain.rows)]
+    return [a * i + b * j + c for i, j in ends], [d * i + e * j + f for i, j in ends]
+
+
+def _latitudes(terrain: Terrain) -> tuple[float, float]:
+    """Return the smallest and the largest latitude of a cell's centre."""
+    _, _, _, d, e, f = terrain.transform
+    rows, cols = terrain.shape
+    centres = [d * (i + 0.5) + e * (j + 0.5) + f for i in (0, cols - 1) for j in (0, rows - 1)]
+    return min(centres), max(centres)
+
+
+def _span(given: slice | None, count: int, name: str) -> slice:
+    """Return a slice with its two ends.
+
+    Raises
+    ------
+    MeshdepictError
+        For steps, and a slice of nothing.
+    """
+    start, stop, step = (given or slice(None)).indices(count)
+    if step != 1 or stop <= start:
+        raise MeshdepictError(f"{name}={given!r} is no window of {count:,} {name}")
+    return slice(start, stop)
+
+
+def _files(paths: Paths) -> list[Path]:
+    if isinstance(paths, (str, os.PathLike)):
+        return [Path(paths)]
+    found = [Path(path) for path in paths]
+    if not found:
+        raise MeshdepictError("there are no tiles: give one file or several")
+    twice = [path for path, count in Counter(found).items() if count > 1]
+    if twice:
+        raise MeshdepictError(f"{twice[0]} is named twice among the tiles")
+    return found
+
+
+@contextmanager
+def _named(name: str | Path) -> Iterator[None]:
+    """Begin the sentences of what is wrong with a file with its name."""
+    try:
+        if isinstance(name, Path):
+            regular(name)
+        yield
+    except MeshdepictError as error:
+        text = str(error)
+        if text.startswith((str(name), repr(str(name)))):
+            raise
+        joint = " " if text.split(" ", 1)[0] in _VERBS else ": "
+        raise MeshdepictError(f"{name}{joint}{text}") from error
+    except PermissionError:
+        raise MeshdepictError(f"{name} may not be read: permission denied") from None
+    except OSError as error:
+        raise MeshdepictError(f"{name} could not be read: {error.strerror or error}") from error
+    except MemoryError:
+        raise MeshdepictError(f"{name} takes more memory than there is") from None
