@@ -34,6 +34,7 @@ _COMMANDS = {
     "view": "[INPUT] [OPTIONS]",
     "compare": "[INPUT] [OPTIONS]",
     "volume": "[CT] [OPTIONS]",
+    "relief": "DEM... [OPTIONS]",
     "plate": "[FILE...] [OPTIONS]",
     "movie": "[INPUT] [OPTIONS]",
     "info": "INPUT...",

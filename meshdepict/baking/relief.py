@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Iterator
+from pathlib import Path
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
@@ -82,6 +83,8 @@ class Relief:
     extent : RasterExtent
     cut : Cut
     provenance : dict of str
+    kind : {"gray", "color"}
+        What its colours are.
 
     Raises
     ------
@@ -92,6 +95,7 @@ class Relief:
     def __init__(
         self, terrain: HeightWindows | HeightField, look: Choices, *, memory: float | None = None
     ) -> None:
+        self._given: Any = terrain
         self._terrain = _InMemory(terrain) if isinstance(terrain, HeightField) else terrain
         self._memory = max_memory() if memory is None else memory
         source = self._terrain
@@ -120,6 +124,12 @@ class Relief:
         self.provenance = describe(self.look, typical, light=self._light)
         if look.z_factor != 1:
             self.provenance["z factor"] = f"{look.z_factor:g}"
+        self.kind, self.bands = self._looks()
+
+    @property
+    def widths(self) -> NDArray[np.float64]:
+        """(scales + 1,) widths in metres, the first 0."""
+        return self._widths
 
     @property
     def linear(self) -> bool:
@@ -144,6 +154,39 @@ class Relief:
         if not some:
             raise MeshdepictError(f"{self.extent.name or 'the terrain'} holds no heights")
 
+    def save(
+        self, path: str | Path, *, values: bool = False, progress: Progress | None = None
+    ) -> Path:
+        """Shade all windows and write them on the terrain's grid; see `io.relief_files`.
+
+        Parameters
+        ----------
+        path : path
+            Ends in .tif (GeoTIFF), .png or .jpg (with a world file).
+        values : bool
+            Write what the method returns, as float32 in a GeoTIFF, and no colours.
+        progress : callable, optional
+            ``progress(done, total)``.
+
+        Raises
+        ------
+        MeshdepictError
+            As `windows`, for another suffix, values of several bands, and where the file can't be
+            written.
+        """
+        from meshdepict.io.relief_files import relief_writer
+
+        if values and self.bands > 1:
+            raise MeshdepictError(
+                f"{self.look.method} gives colours, and no single value a cell: leave --values out"
+            )
+        kind = "values" if values else self.kind
+        with relief_writer(path, like=self._given, kind=kind, provenance=self.provenance) as out:
+            for part in self.windows(progress):
+                shown = part.colors[..., 0] if kind == "gray" else part.colors
+                out.write(part.rows, part.columns, part.values if values else shown, part.valid)
+        return Path(path)
+
     # --- one window -------------------------------------------------------------------------
 
     def _field(self, window: Window) -> HeightField | None:
@@ -167,16 +210,7 @@ class Relief:
             values = np.full(shape, np.nan, np.float32)
             nothing = np.zeros(shape, bool)
             return Shaded(*window[:2], np.zeros((*shape, 3), np.uint8), values, nothing)
-        space, look = self._space(field), self.look
-        if look.colormap2d is None:
-            intensity, linear = self._shade(self._light, space), self.linear
-        else:
-            shade = functools.partial(self._shade, space=space)
-            intensity = colormaps2d.both_lights(
-                shade, as_light(self._light), self.eye, look.colormap2d, linear=self.linear
-            )
-            linear = False
-        colors = color.encode(intensity, linear=linear, colormap=look.colormap)
+        intensity, colors = self._painted(self._space(field))
         inner = window.inner
         return Shaded(
             *window[:2],
@@ -185,10 +219,30 @@ class Relief:
             field.valid[inner],
         )
 
+    def _painted(self, space: HeightSpace) -> tuple[NDArray[np.float32], NDArray[np.uint8]]:
+        """Return what the method makes of some samples, and their colours."""
+        look, linear = self.look, self.linear
+        if look.colormap2d is None:
+            intensity = self._shade(self._light, space)
+        else:
+            shade = functools.partial(self._shade, space=space)
+            intensity = colormaps2d.both_lights(
+                shade, as_light(self._light), self.eye, look.colormap2d, linear=linear
+            )
+            linear = False
+        return intensity, color.encode(intensity, linear=linear, colormap=look.colormap)
+
     def _shade(self, light: Lighting, space: HeightSpace) -> NDArray[np.float32]:
         return self.look.shade(space, light, self.eye)
 
     # --- all of it --------------------------------------------------------------------------
+
+    def _looks(self) -> tuple[str, int]:
+        """Return what colours a level patch gets, "gray" or "color", and of how many values."""
+        patch = window_of(self.extent, 0, 0, np.zeros((3, 3), np.float32), np.ones((3, 3), bool))
+        intensity, _ = self._painted(self._space(patch))
+        gray = intensity.ndim == 1 and self.look.colormap is None
+        return "gray" if gray else "color", 1 if intensity.ndim == 1 else intensity.shape[1]
 
     def _cut(self, look: Choices) -> Cut:
         reads = look.reads(self._scales)

@@ -19,6 +19,9 @@ def as_light(text: str) -> LightsLike:
 
 
 def _one_light(text: str) -> LightLike:
+    azimuth, slash, elevation = text.partition("/")
+    if slash and _is_number(azimuth) and _is_number(elevation):  # as on maps: 315/45
+        return float(azimuth), float(elevation)
     if "," not in text:
         return text
     try:
@@ -30,6 +33,14 @@ def _one_light(text: str) -> LightLike:
             f"--light {text} is neither a name, nor azimuth,elevation in degrees, nor x,y,z"
         )
     return numbers
+
+
+def _is_number(text: str) -> bool:
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True
 
 
 def as_numbers(text: str, option: str, count: int) -> tuple[float, ...]:
