@@ -96,7 +96,7 @@ def _raised(shape: Shape) -> dict[str, str]:
     from meshdepict.shapes.height_field import HeightField
 
     raised = isinstance(shape, HeightField) and shape.z_factor != 1
-    return {"z_factor": f"{shape.z_factor:g}"} if raised else {}  # type: ignore[attr-defined]
+    return {"z factor": f"{shape.z_factor:g}"} if raised else {}  # type: ignore[attr-defined]
 
 
 def _scales(space: ScaleSpace) -> str:
