@@ -13,7 +13,6 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from os.path import exists, isdir, realpath  # unlike Path's, these never raise
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from meshdepict.baking.baked import Baked
 from meshdepict.baking.look import Look
@@ -21,7 +20,7 @@ from meshdepict.baking.pixel_widths import measured
 from meshdepict.baking.provenance import fitted_text
 from meshdepict.baking.refinement import worth_refining
 from meshdepict.baking.smearing import CREASES, NOTEWORTHY, smeared_share
-from meshdepict.baking.surfaces import bake_surface
+from meshdepict.baking.surfaces import as_solid, bake_surface, with_choices
 from meshdepict.baking.targets import check_target, identities
 from meshdepict.console import Heard, about, complain, notes, progress_bar, say
 from meshdepict.drawing.before_after import before_after
@@ -30,13 +29,12 @@ from meshdepict.drawing.framing import check_scale, frame
 from meshdepict.drawing.picture import save_picture
 from meshdepict.drawing.picture_files import check_picture, write_page
 from meshdepict.errors import MeshdepictError, MeshdepictWarning
-from meshdepict.io import read_mesh
+from meshdepict.io.height_formats import RASTERS
 from meshdepict.io.source import FORMATS, WRITABLE, suffix_of
 from meshdepict.options import Values, options_of
 from meshdepict.shapes import samples
-
-if TYPE_CHECKING:
-    from meshdepict.shapes.mesh import Mesh
+from meshdepict.shapes.height_field import HeightField
+from meshdepict.shapes.mesh import Mesh
 
 __all__ = ["Batch", "check_look", "stem"]
 
@@ -59,7 +57,7 @@ class Job:
 
 @dataclass(frozen=True, kw_only=True)
 class Batch:
-    """Meshes to bake alike.
+    """Meshes and terrain to bake alike.
 
     Attributes
     ----------
@@ -162,14 +160,17 @@ class Batch:
             check_target(path, force=self.force, inputs=self._input_identities)
         return Job(source, output, picture, first)
 
-    def _read(self, source: Path | None) -> Mesh:
-        if source is None:
-            return samples.golf_ball()
-        return read_mesh(source, winding=self.winding)
+    def _read(self, source: Path | None) -> Mesh | HeightField:
+        shape = samples.golf_ball() if source is None else as_solid(source, winding=self.winding)
+        if isinstance(shape, Mesh):  # the ground of terrain is wound as it should be
+            shape = shape.rewound() if self.fix_winding else shape
+            shape = shape.as_triangles() if self.triangles else shape
+        return shape
 
-    def _check_fit(self, mesh: Mesh, look: Look) -> None:
+    def _check_fit(self, shape: Mesh | HeightField, look: Look) -> None:
         """Refuse what is too large for its picture, before the long work."""
-        frame(look.eye(mesh), mesh, self.figure)
+        seen = with_choices(shape, look) if isinstance(shape, HeightField) else shape
+        frame(look.eye(seen), seen, self.figure)
 
     def _bake(self, job: Job, heard: Heard) -> str:
         """Bake one mesh, write the files and return the line about it."""
@@ -179,16 +180,12 @@ class Batch:
             notes(job.source, quiet=self.quiet, heard=heard),
             progress_bar(label, quiet=self.quiet) as progress,
         ):
-            mesh = self._read(job.source)
-            if self.fix_winding:
-                mesh = mesh.rewound()
-            if self.triangles:
-                mesh = mesh.as_triangles()
-            look = self.look.posed(mesh)
+            shape = self._read(job.source)
+            look = self.look.posed(shape)
             if job.picture:
-                self._check_fit(mesh, look)
-            look = measured(look, mesh, self.figure if job.picture else None)
-            baked = bake_surface(mesh, look, progress=progress)
+                self._check_fit(shape, look)
+            look = measured(look, shape, self.figure if job.picture else None)
+            baked = bake_surface(shape, look, progress=progress)
             self.taken.append(look)
             baked.save(job.output)
             if job.first:
@@ -214,7 +211,9 @@ class Batch:
 
     def _remarks(self, baked: Baked, output: Path) -> Iterator[str]:
         """Yield what is to be known about an output."""
-        mesh = baked.mesh
+        mesh = baked.shape
+        if not isinstance(mesh, Mesh):
+            return  # what follows is about edges and strips of a mesh
         if not mesh.areas.any():
             yield "none of its triangles has an area: there is no shape to see"
         error = None if self.quiet else baked.edge_error
@@ -255,7 +254,11 @@ def check_look(look: Look) -> None:
         warnings.simplefilter("ignore")  # what they say is about the sphere
         known = options_of(look.function)
         theirs = (name for name in look.options if isinstance(known[name].accepts, Values))
-        usual = {"albedo": "none", "normals": "computed", **dict.fromkeys(theirs)}
+        usual = {
+            "albedo": "none", "normals": "computed", "z_factor": 1.0, **dict.fromkeys(theirs)
+        }  # fmt: skip
+        if "one_light" in known:
+            usual["one_light"] = None  # a sphere has no level ground
         bake_surface(samples.sphere(12), look.replace(**usual))
 
 
@@ -264,6 +267,8 @@ def stem(source: Path | None) -> str:
     if source is None:
         return _GOLF_BALL
     name = Path(source.name)
+    if name.suffix.lower() in (*RASTERS, ".tif", ".tiff", ".npy"):
+        return name.stem
     while name.suffix.lower() in (*FORMATS, ".gz"):
         name = name.with_suffix("")
     return name.name

@@ -35,7 +35,10 @@ if TYPE_CHECKING:
 
 __all__ = ["AUTO", "LADDER", "SIDES", "Choices", "choice_fields", "takes_choices"]
 
-MESH, VOLUME, HEIGHTS = "mesh", "volume", "height field"
+MESH, VOLUME, HEIGHTS, IMAGE = "mesh", "volume", "height field", "image"
+
+_FACES = (MESH, IMAGE)  # what has triangles, or shows some
+_SURFACES = (*_FACES, HEIGHTS)
 
 AUTO = "auto"
 """Of up and view: what suits the shape."""
@@ -47,8 +50,14 @@ SIDES = ("creases", "normals")
 """Those that their surface is made with."""
 
 
-def _choice(default: Any, help: str, *, group: str = "Look", only: str = "") -> Any:  # noqa: A002
-    """Declare a choice: what it is for, where help lists it, and the kind it is about."""
+def _choice(
+    default: Any,
+    help: str,  # noqa: A002
+    *,
+    group: str = "Look",
+    only: tuple[str, ...] = (),
+) -> Any:
+    """Declare a choice: what it is for, where help lists it, and which kinds alone have it."""
     return field(default=default, metadata={"help": help, "group": group, "only": only})
 
 
@@ -123,21 +132,21 @@ class Choices:
         "Axis of the object that points up, or auto: as its format has it, else as it can stand.",
     )
     colormap: str | None = _choice(
-        None, "Colours for dark to bright; grey unless given.", only=MESH
+        None, "Colours for dark to bright; grey unless given.", only=_SURFACES
     )
     colormap2d: str | None = _choice(
         None, "Colours for two lights, the other one 90° clockwise: dusk, earth or swiss.",
-        only=MESH,
+        only=_SURFACES,
     )  # fmt: skip
     transfer: Any = _choice(
         None,
         "What is shown, and its colours: bone, skin, muscle, lung, micro-ct, or a .toml file; bone "
         "unless given.",
-        only=VOLUME,
+        only=(VOLUME,),
     )
     z_factor: float = _choice(
         1.0, "Times the heights of terrain, cartographers' vertical exaggeration.",
-        group="Detail", only=HEIGHTS,
+        group="Detail", only=(HEIGHTS,),
     )  # fmt: skip
     scales: int | None = _choice(
         None, "How often to smooth; unless given, as often as the method wants.", group="Detail"
@@ -152,7 +161,7 @@ class Choices:
     ratio: float | None = _choice(None, "From one width to the next.", group="Detail")
     facing: Literal[0, 1] = _choice(
         FACING, "1 keeps the two sides of thin sheets apart; 0 is the plain sum of the paper.",
-        group="Detail", only=MESH,
+        group="Detail", only=_SURFACES,
     )  # fmt: skip
     tolerance: float = _choice(TOLERANCE, "Largest error of a normal, in radians.", group="Detail")
     refine: float | None = _choice(
@@ -160,25 +169,25 @@ class Choices:
         "Split triangles inside which colours would be off by more than so many of 255 grey "
         "levels, 2 for instance.",
         group="Detail",
-        only=MESH,
+        only=_FACES,
     )
     creases: float | None = _choice(
         None,
         "Edges that bend by more than so many degrees are sharp: vertices there are parted. 40 "
         "suits CAD.",
         group="Detail",
-        only=MESH,
+        only=_FACES,
     )
     normals: Literal["computed", "file"] = _choice(
-        "computed", "file: take the file's own normals.", group="Detail", only=MESH
+        "computed", "file: take the file's own normals.", group="Detail", only=_FACES
     )
     albedo: Literal["keep", "none"] = _choice(
-        "none", "keep: multiply the file's own colours.", group="Files", only=MESH
+        "none", "keep: multiply the file's own colours.", group="Files", only=_SURFACES
     )
     two_sided: bool = _choice(
         False,  # noqa: FBT003
         "Shade the side that is seen, also where faces look away from the eye: for open sheets.",
-        only=MESH,
+        only=_SURFACES,
     )
     options: Mapping[str, Any] = field(default_factory=dict)
     function: ClassVar[Callable[..., Any]]  # no choice of its own: it follows from the method
@@ -372,9 +381,9 @@ class Choices:
         for name, each in choice_fields().items():
             only = each.metadata["only"]
             usual = _is(getattr(self, name), each.default)
-            if not usual and not _concerns(only, kind):
+            if not usual and only and kind not in only:
                 raise MeshdepictError(
-                    f"{name} is about a {only}, and this is a {kind}: leave it out"
+                    f"{name} is about a {only[0]}, and this is a {kind}: leave it out"
                 )
         scales, ratio = self.ladder
         look = self._on_map(kind)
@@ -389,11 +398,6 @@ class Choices:
             given = self.options.get("one_light")
             follows["one_light"] = True if given is None else given
         return self.replace(**follows)
-
-
-def _concerns(only: str, kind: str) -> bool:
-    """Whether a choice that is about one kind alone may be made of another."""
-    return not only or only == kind or (only == MESH and kind in ("image", HEIGHTS))
 
 
 def _is(given: object, usual: object) -> bool:

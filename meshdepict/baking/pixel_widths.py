@@ -8,7 +8,9 @@ from typing import TypeVar
 from meshdepict.baking.choices import Choices
 from meshdepict.drawing.figure import Figure
 from meshdepict.drawing.framing import frame
+from meshdepict.drawing.map_picture import cell_pixels, one_cell_a_pixel
 from meshdepict.scene.shape import Shape
+from meshdepict.shapes.height_field import HeightField
 from meshdepict.shapes.lengths import counts_pixels, resolve_width
 
 __all__ = ["measured"]
@@ -35,7 +37,10 @@ def measured(
         return look
     look = look.posed(shape)
     eye = look.eye(shape)
-    if figure is not None:
+    side = 0 if figure is None else cell_pixels(shape, eye, figure)
+    if side and isinstance(shape, HeightField):
+        eye = one_cell_a_pixel(shape, eye, side)
+    elif figure is not None:
         place = frame(eye, shape, figure, turning=turning)
         eye = dataclasses.replace(place.view, height_px=place.drawn[1])
     return look.replace(width=resolve_width(look.width, shape, eye))

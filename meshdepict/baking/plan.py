@@ -15,6 +15,7 @@ from meshdepict.baking.pixel_widths import measured
 from meshdepict.scales.ladder import check_ladder, checked_scale, ladder
 from meshdepict.scales.reads import Reads
 from meshdepict.shapes.gbuffer import GBuffer
+from meshdepict.shapes.height_field import HeightField
 from meshdepict.shapes.lengths import resolve_width
 from meshdepict.shapes.mesh import Mesh
 from meshdepict.shapes.volume import Volume
@@ -28,18 +29,21 @@ SetSeconds = Callable[[int], float]
 _SEEN_SECONDS = 0.4e-6
 _RAY_SECONDS = 0.22e-6
 _COLOR_SECONDS = 0.4e-6
-_CURVATURE_SECONDS = {"mesh": 0.25e-6, "volume": 0.5e-6, "image": 0.2e-6}
-# A set of normals: of a volume, whatever its width, and of an image for each tap of its kernels.
+_CURVATURE_SECONDS = {"mesh": 0.25e-6, "volume": 0.5e-6, "image": 0.2e-6, "height field": 0.07e-6}
+# A set of normals: of a volume or a raster, whatever its width, and of an image for each tap of its
+# kernels.
 _VOXEL_SECONDS = 0.19e-6
+_CELL_SECONDS = 0.03e-6
 _TAP_SECONDS = 0.9e-9
 
 # Bytes of a sample: a set of normals, curvatures with their directions, colours with what they were
-# before; and of a mesh's vertex in sums of normals at the widest.
+# before; and of a mesh's vertex, and of a cell, in sums of normals at the widest.
 _SET_BYTES = 12
 _CURVATURE_BYTES = 40
 _SEEN_BYTES = 44
 _COLOR_BYTES = 40
 _SUM_BYTES = 400
+_CELL_BYTES = 32
 
 _MEAN_ERROR = 1e-3
 _AGAIN = 1.25  # first passes and, on scans, what is summed again with more accuracy
@@ -98,7 +102,7 @@ class Plan:
         return sum(step.size for step in self.steps) + self.working
 
 
-def plan(shape: Mesh | GBuffer | Volume, look: Choices) -> Plan:
+def plan(shape: Mesh | HeightField | GBuffer | Volume, look: Choices) -> Plan:
     """Return what a bake of a shape computes.
 
     Seconds are those of the costs by which sums choose their way, and right within a factor of two
@@ -108,7 +112,7 @@ def plan(shape: Mesh | GBuffer | Volume, look: Choices) -> Plan:
 
     Parameters
     ----------
-    shape : Mesh, GBuffer or Volume
+    shape : Mesh, HeightField, GBuffer or Volume
     look : Choices
 
     Raises
@@ -117,6 +121,8 @@ def plan(shape: Mesh | GBuffer | Volume, look: Choices) -> Plan:
         For what can't be baked so.
     """
     look = look.of_kind(shape.kind)
+    if isinstance(shape, HeightField):
+        shape = shape.raised(look.z_factor)
     scales, ratio = look.ladder
     check_ladder(scales, ratio, look.facing, look.tolerance)
     width = look.width if isinstance(shape, GBuffer) else measured(look, shape).width
@@ -137,7 +143,7 @@ def plan(shape: Mesh | GBuffer | Volume, look: Choices) -> Plan:
 
 
 def _steps(
-    shape: Mesh | GBuffer | Volume,
+    shape: Mesh | HeightField | GBuffer | Volume,
     look: Choices,
     reads: Reads,
     sets: list[int],
@@ -169,7 +175,7 @@ def _steps(
 
 
 def _of_kind(
-    shape: Mesh | GBuffer | Volume, look: Choices, widths: Widths
+    shape: Mesh | HeightField | GBuffer | Volume, look: Choices, widths: Widths
 ) -> tuple[int, SetSeconds, float]:
     """Return the number of samples, what a set of normals costs, and a sample's bytes in it."""
     if isinstance(shape, Mesh):
@@ -191,6 +197,8 @@ def _of_kind(
         shown = shaded_voxels(shape, None, for_volume(look.transfer, shape))
         count = int(np.count_nonzero(shown))
         return count, lambda scale: _VOXEL_SECONDS * count, shape.values.nbytes / max(count, 1)
+    if isinstance(shape, HeightField):
+        return shape.count, lambda scale: _CELL_SECONDS * shape.z.size, _CELL_BYTES
     from meshdepict.scales.bilateral import tap_counts
 
     height, width = shape.cropped(np.ones(len(shape.normals), np.float32)).shape
@@ -199,13 +207,17 @@ def _of_kind(
     return len(shape.normals), lambda scale: _TAP_SECONDS * taps[scale - 1] * pixels, 64.0
 
 
-def _mean(shape: Mesh | GBuffer | Volume, widths: Widths, scale: int, count: int) -> float:
+def _mean(
+    shape: Mesh | HeightField | GBuffer | Volume, widths: Widths, scale: int, count: int
+) -> float:
     """Return the seconds of an average of one value over a width."""
     if isinstance(shape, Mesh):
         from meshdepict.sums.gaussian import predicted_seconds
 
         width = max(float(widths[scale]) / (shape.diagonal or 1.0), 1e-18)
         return predicted_seconds(shape.unit_points, width, channels=2, error=_MEAN_ERROR)
+    if isinstance(shape, HeightField):
+        return 2 * _CELL_SECONDS * shape.z.size
     if isinstance(shape, Volume):
         return 2 * _VOXEL_SECONDS * count
     taps = 8 * math.ceil(float(widths[scale]) / shape.edge_length) + 1

@@ -14,9 +14,10 @@ from meshdepict.baking.look import Look
 from meshdepict.baking.surfaces import bake_surface
 from meshdepict.baking.volumes import BakedVolume, bake_grid
 from meshdepict.drawing.arrangement import Arrangement
-from meshdepict.drawing.canvas import canvas, on_ground
+from meshdepict.drawing.canvas import on_ground
 from meshdepict.drawing.framing import Framing
 from meshdepict.drawing.page import Color, Part, Picture
+from meshdepict.drawing.picture import drawn
 from meshdepict.drawing.plate_layout import Spot
 from meshdepict.drawing.volume_picture import draw_voxels
 from meshdepict.files.mark import VERSION
@@ -24,6 +25,7 @@ from meshdepict.scales.ladder import Progress
 from meshdepict.scales.making import scale_space
 from meshdepict.scales.space import ScaleSpace
 from meshdepict.scene.view import View
+from meshdepict.shapes.height_field import HeightField
 from meshdepict.shapes.mesh import Mesh
 from meshdepict.shapes.volume import Volume
 
@@ -34,7 +36,7 @@ __all__ = ["Group", "draw_groups"]
 class Group:
     """One shape in one look, with its main view and its turns."""
 
-    shape: Mesh | Volume
+    shape: Mesh | HeightField | Volume
     look: Look
     eye: View
     arrangement: Arrangement
@@ -110,5 +112,4 @@ def _pixels(baked: Baked | BakedVolume, spot: Spot) -> NDArray[np.uint8]:
     """Draw a view: colour times coverage, and coverage."""
     if isinstance(baked, BakedVolume):
         return draw_voxels(baked, Framing(spot.view, spot.size))
-    with canvas(baked, spot.size) as drawing:
-        return drawing.draw(spot.view)
+    return drawn(baked, spot.view, spot.size)

@@ -7,9 +7,8 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from meshdepict.baking.chosen_normals import with_chosen_normals
 from meshdepict.baking.look import Look
-from meshdepict.baking.surfaces import as_mesh
+from meshdepict.baking.surfaces import as_solid, with_choices
 from meshdepict.baking.volumes import as_volume, is_volume
 from meshdepict.drawing.arrangement import turn_names
 from meshdepict.errors import MeshdepictError
@@ -18,6 +17,7 @@ from meshdepict.scene.view import View
 from meshdepict.shading.method import declaration
 from meshdepict.shading.registry import find_method
 from meshdepict.shapes.gbuffer import GBuffer
+from meshdepict.shapes.height_field import HeightField
 from meshdepict.shapes.mesh import Mesh
 from meshdepict.shapes.volume import Volume
 
@@ -77,13 +77,15 @@ def checked_options(options: object) -> Mapping[str, Mapping[str, Any]]:
     return options
 
 
-def turnable_shape(shape: object, look: Look) -> Mesh | Volume:
-    """Return a shape that can be turned, with the sides that a look chose."""
+def turnable_shape(shape: object, look: Look) -> Mesh | HeightField | Volume:
+    """Return a shape that can be turned, with the sides or the heights that a look chose."""
     if isinstance(shape, (ScaleSpace, GBuffer)):
         raise MeshdepictError(
             f"a {type(shape).__name__} can't be turned: give a path, a Mesh or a Volume"
         )
-    return as_volume(shape) if is_volume(shape) else with_chosen_normals(as_mesh(shape), look)
+    solid = as_volume(shape) if is_volume(shape) else as_solid(shape)
+    look.of_kind(solid.kind)  # refuses what is about other kinds
+    return solid if isinstance(solid, Volume) else with_choices(solid, look)
 
 
 def shape_name(shape: object, place: int) -> str:
@@ -93,7 +95,7 @@ def shape_name(shape: object, place: int) -> str:
     return str(place + 1)
 
 
-def common_unit(shapes: Sequence[Mesh | Volume]) -> str:
+def common_unit(shapes: Sequence[Mesh | HeightField | Volume]) -> str:
     """Return the unit of all shapes' coordinates; of those that don't say, what the others say."""
     units = dict.fromkeys(shape.length_unit for shape in shapes if shape.length_unit)
     if len(units) > 1:

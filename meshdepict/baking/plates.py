@@ -115,7 +115,7 @@ def plate(
 
     Parameters
     ----------
-    shapes : path, Mesh, Volume, or a list of these
+    shapes : path, Mesh, HeightField, Volume, or a list of these
     methods : str, function, or a sequence of them
         As for `bake`.
     lights : light or sequence of lights, optional

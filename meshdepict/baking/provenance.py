@@ -45,6 +45,7 @@ def describe(look: Choices, space: ScaleSpace, *, light: Lighting) -> dict[str, 
         "scales": _scales(space),
         **({"occlusion": "; ".join(occlusion)} if occlusion else {}),
         **_sharp(space.shape),
+        **_raised(space.shape),
         "light": str(light),
         "view": f"{look.view}, up {look.up}" if isinstance(look.view, str) else str(look.view),
         "colormap": look.colormap or look.colormap2d or "gray",
@@ -88,6 +89,14 @@ def _sharp(shape: Shape) -> dict[str, str]:
     if shape.chosen_normals == "file":
         return {"normals": f"the file's, {shape.added} vertices added"}
     return {"creases": f"{shape.creases:g} degrees, {shape.added} vertices added"}
+
+
+def _raised(shape: Shape) -> dict[str, str]:
+    """Return times what heights are those of the ground, where they are not."""
+    from meshdepict.shapes.height_field import HeightField
+
+    raised = isinstance(shape, HeightField) and shape.z_factor != 1
+    return {"z factor": f"{shape.z_factor:g}"} if raised else {}  # type: ignore[attr-defined]
 
 
 def _scales(space: ScaleSpace) -> str:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import os
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,7 +26,9 @@ from meshdepict.shapes.gbuffer import GBuffer
 from meshdepict.shapes.height_field import HeightField
 from meshdepict.shapes.mesh import Mesh
 
-__all__ = ["as_mesh", "bake_surface", "own_colors", "refuse_other_scales"]
+__all__ = [
+    "as_mesh", "as_solid", "bake_surface", "own_colors", "refuse_other_scales", "with_choices",
+]  # fmt: skip
 
 
 def bake_surface(shape: object, look: Choices, *, progress: Progress | None = None) -> Baked:
@@ -38,16 +41,22 @@ def bake_surface(shape: object, look: Choices, *, progress: Progress | None = No
     progress : callable, optional
         ``progress(done, total)``.
     """
-    mesh = as_surface(shape.shape if isinstance(shape, ScaleSpace) else shape)
+    made = isinstance(shape, ScaleSpace)
+    mesh = as_surface(shape.shape if made else shape)  # type: ignore[attr-defined]
     kind = mesh.kind
     chosen, look = look, look.of_kind(kind)
     scales, ratio = look.ladder
-    if isinstance(mesh, HeightField) and not isinstance(shape, ScaleSpace):
-        mesh = mesh.raised(look.z_factor)
-    if isinstance(mesh, Mesh) and not isinstance(shape, ScaleSpace):
-        mesh = with_chosen_normals(mesh, look)
+    if not made:
+        mesh = with_choices(mesh, look)
     refuse_other_sides(mesh, look)
     look = look.replace(**sides_of(mesh))
+    if isinstance(mesh, HeightField):
+        if made and look.z_factor not in (1, mesh.z_factor):
+            raise MeshdepictError(
+                f"z_factor={look.z_factor:g} comes too late: the heights of this ScaleSpace are "
+                f"{mesh.z_factor:g} times the ground's; leave it out, or bake the height field"
+            )
+        look = look.replace(z_factor=mesh.z_factor)
     own = own_colors(mesh) if look.albedo == "keep" else None
     look = look.posed(mesh)
     eye = look.eye(mesh)
@@ -65,7 +74,7 @@ def bake_surface(shape: object, look: Choices, *, progress: Progress | None = No
     if space is not shape and not look.two_sided:  # viewers turn what they show
         warn_of_backs(space.points, space.normals_at(0), eye)
     linear = look.declared.linear
-    local = look.declared.local and look.colormap2d is None and mesh.kind == "mesh"
+    local = look.declared.local and look.colormap2d is None and not isinstance(mesh, GBuffer)
 
     def shade(lamp: Lighting, space: ScaleSpace = space) -> NDArray[np.float32]:
         return look.shade(space, lamp, eye)
@@ -103,8 +112,37 @@ def bake_surface(shape: object, look: Choices, *, progress: Progress | None = No
 
 
 def as_surface(shape: object) -> Mesh | GBuffer | HeightField:
-    """Return a surface to be shaded: a height field or an image as it is, all else as a mesh."""
-    return shape if isinstance(shape, (GBuffer, HeightField)) else as_mesh(shape)
+    """Return a surface to be shaded: an image as it is, all else as `as_solid` does."""
+    return shape if isinstance(shape, GBuffer) else as_solid(shape)
+
+
+def as_solid(shape: object, *, winding: str = "auto") -> Mesh | HeightField:
+    """Return a surface that can be turned: a height field, or all else that has one as a mesh.
+
+    Parameters
+    ----------
+    shape : path, Mesh, HeightField, or what PyVista or trimesh hold
+    winding : {"auto", "keep"}
+        How files of meshes are read.
+    """
+    if isinstance(shape, HeightField):
+        return shape
+    if isinstance(shape, (str, os.PathLike)):
+        from meshdepict.io import read_mesh
+        from meshdepict.io.heightfields import is_heightfield_path, read_heightfield
+
+        if is_heightfield_path(shape):
+            return read_heightfield(shape)
+        _refuse_volume(shape)
+        return read_mesh(shape, winding=winding)
+    return as_mesh(shape)
+
+
+def with_choices(shape: Mesh | GBuffer | HeightField, look: Choices) -> Any:
+    """Return a surface with what a look chooses of it: its sides, or how high it stands."""
+    if isinstance(shape, HeightField):
+        return shape.raised(look.z_factor)
+    return with_chosen_normals(shape, look) if isinstance(shape, Mesh) else shape
 
 
 def as_mesh(shape: object) -> Mesh:
@@ -115,12 +153,8 @@ def as_mesh(shape: object) -> Mesh:
         return shape
     if isinstance(shape, (str, os.PathLike)):
         from meshdepict.io import read_mesh
-        from meshdepict.io.volumes import is_volume_path
 
-        if is_volume_path(shape) and not os.path.isdir(shape):
-            raise MeshdepictError(
-                f"{os.fspath(shape)} is a volume, not a mesh: take bake_volume (meshdepict volume)"
-            )
+        _refuse_volume(shape)
         return read_mesh(shape)
     if is_of_pyvista(shape):
         return Mesh.from_pyvista(shape)
@@ -130,6 +164,15 @@ def as_mesh(shape: object) -> Mesh:
         f"a {type(shape).__name__} is not a shape: give a path, a Mesh, a pyvista.PolyData or a "
         "trimesh.Trimesh"
     )
+
+
+def _refuse_volume(path: str | os.PathLike[str]) -> None:
+    from meshdepict.io.volumes import is_volume_path
+
+    if is_volume_path(path) and not os.path.isdir(path):
+        raise MeshdepictError(
+            f"{os.fspath(path)} is a volume, not a mesh: take bake_volume (meshdepict volume)"
+        )
 
 
 def own_colors(shape: Mesh | GBuffer | HeightField) -> NDArray[np.uint8]:

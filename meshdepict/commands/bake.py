@@ -30,14 +30,15 @@ def bake(
     figure: FigureWords,
     everywhere: Everywhere,
 ) -> int:
-    """Shade meshes and write the colours into files.
+    """Shade meshes and terrain, and write the colours into files.
 
     Without INPUT: the built-in golf ball.
 
     Parameters
     ----------
     inputs
-        Mesh files: PLY, OBJ, OFF, STL, GLB, glTF or VTP, gzipped or not.
+        Meshes: PLY, OBJ, OFF, STL, GLB, glTF or VTP, gzipped or not; or terrain:
+        GeoTIFF, .dem, .asc.
     output
         File to write, or a folder; <name>-<method>.ply in the current folder unless given.
     picture

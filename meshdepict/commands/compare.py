@@ -60,7 +60,7 @@ def compare(
     Parameters
     ----------
     source
-        A mesh file; the built-in golf ball unless given.
+        A mesh, or terrain; the built-in golf ball unless given.
     output
         Contact sheet to write, a PNG; <name>-compare.png in the current folder unless given.
     csv
@@ -85,11 +85,11 @@ def compare(
         auto: turn faces that look inwards before shading; keep: believe the file.
     """
     from meshdepict.baking.batch import stem
+    from meshdepict.baking.surfaces import as_solid
     from meshdepict.baking.targets import check_target, identities
     from meshdepict.congruence import comparison
     from meshdepict.congruence import report as comparison_report
     from meshdepict.drawing.figure import Figure
-    from meshdepict.io import read_mesh
     from meshdepict.shapes import samples
 
     everywhere.obey()
@@ -109,7 +109,7 @@ def compare(
     given = options_by_method(options or [])
     lights = None if light is None else [as_light(text) for text in light]
     with notes(source, quiet=quiet), progress_bar(name, quiet=quiet) as progress:
-        mesh = samples.golf_ball() if source is None else read_mesh(source, winding=winding)
+        mesh = samples.golf_ball() if source is None else as_solid(source, winding=winding)
         found = comparison.compare(
             mesh, method or None, lights=lights, size=pixels, options=given,
             per_pixel=per_pixel, scored=scored, progress=progress,

@@ -37,7 +37,7 @@ def info(
     Parameters
     ----------
     inputs
-        Mesh files, or CT.
+        Meshes, terrain or CT.
     """
     from meshdepict.commands import report
 

@@ -46,7 +46,8 @@ def movie(
     Parameters
     ----------
     source
-        Mesh file: PLY, OBJ, OFF, STL, GLB, glTF or VTP, gzipped or not.
+        Mesh: PLY, OBJ, OFF, STL, GLB, glTF or VTP, gzipped or not; or terrain:
+        GeoTIFF, .dem, .asc.
     output
         File to write: .mp4 or .gif.
     force
@@ -64,7 +65,7 @@ def movie(
     """
     from meshdepict.baking.batch import stem
     from meshdepict.baking.pixel_widths import measured
-    from meshdepict.baking.surfaces import as_mesh
+    from meshdepict.baking.surfaces import as_solid
     from meshdepict.baking.targets import check_target, identities
     from meshdepict.console import notes, progress_bar, say
     from meshdepict.drawing.movie import check_movie, save_movie
@@ -86,7 +87,7 @@ def movie(
     if source is not None and not os.path.exists(source):
         raise MeshdepictError(f"{source}: there is no such file")
     with notes(source, quiet=quiet), progress_bar(stem(source), quiet=quiet) as progress:
-        shape = samples.golf_ball() if source is None else as_mesh(source)
+        shape = samples.golf_ball() if source is None else as_solid(source)
         wanted = measured(wanted, shape, pages, turning=turn == "object")
         session = Session(shape, wanted.function, progress=progress, **wanted.words())
         save_movie(session, output, progress=progress, **motion)

@@ -47,7 +47,7 @@ def plate(
     Parameters
     ----------
     inputs
-        Meshes or CT.
+        Meshes, terrain or CT.
     output
         Page to write, .png, .jpg, .svg or .pdf; <name>-plate.png in the current folder unless
         given.

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from meshdepict import threads
-from meshdepict.shapes.summary import data_rows, mesh_rows, volume_rows
+from meshdepict.shapes.summary import data_rows, height_rows, mesh_rows, volume_rows
 from meshdepict.shapes.table import columns
 
 if TYPE_CHECKING:
@@ -23,17 +23,21 @@ _START_SECONDS = 0.5
 _VERTEX_SECONDS = 65e-6
 _START_BYTES = 160e6
 _VERTEX_BYTES = 1300
-# Of these, of files alone: reading, own normals, writing; and of the voxels of a volume.
+# Of these, of files alone: reading, own normals, writing; of the voxels of a volume; of cells.
 _FILE_SECONDS = 9e-6
 _FILE_BYTES = 1000
 _VOXEL_FILE_SECONDS = 0.1e-6
+_CELL_FILE_SECONDS = 0.05e-6
 
 
 def info(path: Path) -> str:
-    """Return counts, size, defects, attributes and provenance of a mesh file, or of a volume."""
+    """Return counts, size, defects, attributes and provenance of a file, whatever it holds."""
     from meshdepict.io import read_mesh, read_provenance
+    from meshdepict.io.heightfields import is_heightfield_path
     from meshdepict.io.volumes import is_volume_path
 
+    if is_heightfield_path(path):
+        return _terrain_info(path)
     if is_volume_path(path):
         return _volume_info(path)
     mesh = read_mesh(path)
@@ -49,6 +53,24 @@ def info(path: Path) -> str:
     return f"{path}\n{columns(rows, indent='  ')}"
 
 
+def _terrain_info(path: Path) -> str:
+    """Return size, heights, place and reference system of terrain, and what a bake costs."""
+    from meshdepict.baking.look import Look
+    from meshdepict.baking.plan import plan
+    from meshdepict.io.heightfields import read_heightfield
+
+    field = read_heightfield(path)
+    found = plan(field, Look())
+    work = _CELL_FILE_SECONDS * field.z.size + found.seconds
+    seconds = _START_SECONDS + work / threads.thread_count()
+    size = _START_BYTES + field.z.nbytes + found.size
+    rows = [
+        *height_rows(field),
+        ("default bake", f"about {_duration(seconds)} and {_bytes(size)} of memory"),
+    ]
+    return f"{path}\n{columns(rows, indent='  ')}"
+
+
 def _volume_info(path: Path) -> str:
     """Return size, spacing, values and share of voxels that are shown by default."""
     from meshdepict.io.volumes import read_volume
@@ -60,9 +82,14 @@ def explained(path: Path, look: Look) -> str:
     """Return what a bake of a file computes, step by step, with its predicted cost."""
     from meshdepict.baking.plan import plan
     from meshdepict.io import read_mesh
+    from meshdepict.io.heightfields import is_heightfield_path, read_heightfield
     from meshdepict.io.volumes import is_volume_path, read_volume
 
-    if is_volume_path(path):
+    if is_heightfield_path(path):
+        field = read_heightfield(path)
+        found, count, what = plan(field, look), field.count, "cells"
+        seconds, size = _CELL_FILE_SECONDS * field.z.size, float(field.z.nbytes)
+    elif is_volume_path(path):
         volume = read_volume(path)
         found, count, what = plan(volume, look), volume.n_samples, "voxels"
         seconds, size = _VOXEL_FILE_SECONDS * count, float(volume.values.nbytes)

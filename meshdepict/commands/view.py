@@ -1,4 +1,4 @@
-"""``meshdepict view``: look at a mesh or a volume under a light that moves."""
+"""``meshdepict view``: look at a mesh, terrain or a volume under a light that moves."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def view(
     everywhere: Everywhere,
     given: Annotated[frozenset[str], Parameter(parse=False)] = frozenset(),
 ) -> int:
-    """Look at a mesh or CT under a light that moves.
+    """Look at a mesh, terrain or CT under a light that moves.
 
     Without INPUT: the built-in golf ball. Drag turns the object, right drag the light.
 
@@ -43,7 +43,8 @@ def view(
     Parameters
     ----------
     input_
-        Mesh file: PLY, OBJ, OFF, STL, GLB, glTF or VTP, gzipped or not; or CT: see volume.
+        Mesh: PLY, OBJ, OFF, STL, GLB, glTF or VTP, gzipped or not; terrain: GeoTIFF, .dem, .asc; or
+        CT: see volume.
     browser
         Show it in a browser instead of a window.
     port
@@ -66,11 +67,13 @@ def view(
     wanted = parameters.said_look(look, recipe)
     refuse_unshown(wanted, f"{recipe}: ")
     quiet = everywhere.quiet
+    from meshdepict.io.heightfields import is_heightfield_path
     from meshdepict.io.volumes import is_volume_path, volume_stem
 
-    volume = input_ is not None and is_volume_path(input_)
+    terrain = input_ is not None and is_heightfield_path(input_)
+    volume = input_ is not None and not terrain and is_volume_path(input_)
     if volume and browser:
-        raise MeshdepictError(f"{input_} is a volume: the browser shows meshes alone so far")
+        raise MeshdepictError(f"{input_} is a volume: the browser shows surfaces alone so far")
     if not browser and frames is None:
         from meshdepict.drawing.display import check_display
 
@@ -99,7 +102,7 @@ def view(
 
 def _session(source: Path | None, look: Look, name: str, *, volume: bool, quiet: bool) -> Session:
     """Read and bake, with a progress bar."""
-    from meshdepict.io import read_mesh
+    from meshdepict.baking.surfaces import as_solid
     from meshdepict.shapes import samples
     from meshdepict.viewer.session import Session
     from meshdepict.viewer.windows.volume_session import VolumeSession
@@ -108,7 +111,7 @@ def _session(source: Path | None, look: Look, name: str, *, volume: bool, quiet:
         kind: type[Session] = VolumeSession if volume else Session
         shape: object = source
         if not volume:
-            shape = samples.golf_ball() if source is None else read_mesh(source)
+            shape = samples.golf_ball() if source is None else as_solid(source)
         session = kind(shape, look.method, progress=progress, **look.words())
         session.baked()
     session.progress = None

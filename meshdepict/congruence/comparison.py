@@ -14,10 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshdepict import color
-from meshdepict.baking.choices import SIDES
-from meshdepict.baking.chosen_normals import with_chosen_normals
+from meshdepict.baking.choices import HEIGHTS, IMAGE, SIDES
 from meshdepict.baking.look import Look
-from meshdepict.baking.surfaces import as_mesh
+from meshdepict.baking.surfaces import as_solid, with_choices
 from meshdepict.congruence.judging import Judge, light_directions, picture
 from meshdepict.errors import MeshdepictError
 from meshdepict.options import as_text, check, options_of
@@ -32,6 +31,7 @@ from meshdepict.shading.registry import METHODS, find_method
 from meshdepict.shapes.gbuffer import GBuffer
 
 if TYPE_CHECKING:
+    from meshdepict.shapes.height_field import HeightField
     from meshdepict.shapes.mesh import Mesh
 
 __all__ = ["Comparison", "compare", "options_text", "usual_methods"]
@@ -67,7 +67,7 @@ class Comparison:
     pictures: NDArray[np.uint8]
     score_pictures: tuple[NDArray[np.uint8], ...]
     options: tuple[dict[str, Any], ...]
-    shape: Mesh
+    shape: Mesh | HeightField
     view: View
     settings: dict[str, Any]
     seconds: float
@@ -115,7 +115,7 @@ def compare(
     *,
     lights: Sequence[Any] | None = None,
     view: str | View = "front",
-    up: str = "y",
+    up: str | None = None,
     size: tuple[int, int] = (480, 480),
     options: Mapping[str, Mapping[str, Any]] | None = None,
     per_pixel: bool = False,
@@ -127,17 +127,18 @@ def compare(
     tolerance: float = TOLERANCE,
     creases: float | None = None,
     normals: str = "computed",
+    z_factor: float = 1.0,
     background: tuple[int, int, int] = (198, 205, 214),
     progress: Progress | None = None,
 ) -> Comparison:
-    """Shade a mesh by several methods under several lights, and score them all.
+    """Shade a surface by several methods under several lights, and score them all.
 
     All methods share one scale space, smoothed at those widths that one of them reads. Methods that
     can see with the view's eye do so here (``curvature="view"``), as they were published.
 
     Parameters
     ----------
-    shape : path, Mesh, pyvista.PolyData or trimesh.Trimesh
+    shape : path, Mesh, HeightField, pyvista.PolyData or trimesh.Trimesh
     methods : sequence of str or function, optional
         As for `bake`; `usual_methods` unless given.
     lights : sequence, optional
@@ -157,7 +158,7 @@ def compare(
         values of Exaggerated Shading), or those of all alike.
     scales, width, ratio, facing, tolerance
         Of the scale space; see `scale_space`.
-    creases, normals
+    creases, normals, z_factor
         As for `bake`.
     background : three of 0 … 255
     progress : callable, optional
@@ -176,11 +177,13 @@ def compare(
     if scored not in typing.get_args(Scored):
         raise MeshdepictError(f"scored={scored!r} is none of {', '.join(typing.get_args(Scored))}")
     functions = _by_name(usual_methods() if methods is None else methods)
-    chosen = _options(functions, options or {})
-    seen = Look(view=view, up=up, creases=creases, normals=normals)
-    mesh = with_chosen_normals(as_mesh(shape), seen)
+    seen = Look(view=view, up=up, creases=creases, normals=normals, z_factor=z_factor)
+    solid = as_solid(shape)
+    seen.of_kind(solid.kind)  # refuses what is about other kinds
+    mesh = with_choices(solid, seen)
+    chosen = _options(functions, options or {}, IMAGE if per_pixel else mesh.kind)
     seen = seen.posed(mesh)
-    made = {name: value for name, value in seen.words().items() if name in SIDES}
+    made = {name: value for name, value in seen.words().items() if name in (*SIDES, "z_factor")}
     view = seen.view
     eye = view if isinstance(view, View) else _fitted(view, mesh, seen.axis(mesh.kind), size)
     buffer = GBuffer.of(mesh, eye, size=size)
@@ -274,9 +277,9 @@ def _by_name(methods: Sequence[str | Shading]) -> dict[str, Shading]:
 
 
 def _options(
-    functions: Mapping[str, Shading], given: Mapping[str, Mapping[str, Any]]
+    functions: Mapping[str, Shading], given: Mapping[str, Mapping[str, Any]], kind: str
 ) -> tuple[dict[str, Any], ...]:
-    """Return every method's options, checked."""
+    """Return every method's options, checked, with what follows from the kind of shape."""
     for name in given:
         if name not in functions:
             raise MeshdepictError(
@@ -286,9 +289,11 @@ def _options(
     for name, function in functions.items():
         sees = {"curvature": "view"} if "curvature" in options_of(function) else {}
         usual = sees | dict(declaration(function).compared or {})
+        if kind == HEIGHTS and "one_light" in options_of(function):
+            usual = {**sees, "one_light": True}  # what else papers compare is of objects
         found.append(usual | check(function, given.get(name, {}), name))
     return tuple(found)
 
 
-def _fitted(name: str, mesh: Mesh, up: str, size: tuple[int, int]) -> View:
+def _fitted(name: str, mesh: Mesh | HeightField, up: str, size: tuple[int, int]) -> View:
     return View.fitted(name, mesh, up=up, aspect=size[0] / size[1], height_px=size[1])

@@ -14,7 +14,7 @@ from meshdepict.errors import MeshdepictError
 from meshdepict.options import nearest, real
 from meshdepict.voxels.length_unit import MILLIMETRES, length_unit
 
-__all__ = ["Figure", "check_pixels", "summary"]
+__all__ = ["LARGEST", "Figure", "check_pixels", "summary"]
 
 _PER_INCH = {"cm": 2.54, "mm": 25.4, "in": 1.0}
 _SIZE = re.compile(r"(\d+(?:\.\d+)?)x(\d+(?:\.\d+)?)(px|cm|mm|in)?")
@@ -22,7 +22,8 @@ _NUMBER = re.compile(r"\d+\.\d+(?:e[-+]\d+)?")
 _PAPER = re.compile(r"a([0-6])(landscape)?")
 _A0 = 841, 1189  # mm; each of the following is half of the one before
 _PRINT = 300.0  # dots per inch that printers ask for, where a size on paper comes without
-_MOST = 16384  # pixels across: what graphics cards can draw into
+LARGEST = 16384
+"""Pixels across: what graphics cards can draw into."""
 # Beside the names that CSS has, which Pillow knows.
 _GROUNDS = {"transparent": None, "white": (255, 255, 255), "paper": (226, 221, 209)}
 _DARK = 110  # luma of a ground below which ink is white
@@ -39,7 +40,8 @@ class Figure:
     ----------
     size : (int, int) or str, optional
         Width and height in pixels; or "1200x900", "12x9cm", "120x90mm", "5x4in", "A4",
-        "A4 landscape". 1000 x 1000 unless given; with `pixels_per_unit`, whatever the object needs.
+        "A4 landscape". 1000 x 1000 unless given, and of a map of terrain the raster as it is, a
+        pixel or a square of pixels a cell; with `pixels_per_unit`, whatever the object needs.
     dpi : float, optional
         Dots per inch on paper, 300 where a size on paper needs them.
     background : str, optional
@@ -179,9 +181,9 @@ def _on_paper(text: str) -> str:
 
 def check_pixels(size: tuple[int, int], why: str = "") -> None:
     """Refuse a picture that can't be drawn; `why` it would be like that goes into the sentence."""
-    if not all(1 <= length <= _MOST for length in size):
+    if not all(1 <= length <= LARGEST for length in size):
         raise MeshdepictError(
-            f"a picture of {size[0]}x{size[1]} pixels{why}: 1 to {_MOST} are possible"
+            f"a picture of {size[0]}x{size[1]} pixels{why}: 1 to {LARGEST} are possible"
         )
 
 

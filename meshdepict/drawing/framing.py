@@ -15,7 +15,7 @@ from meshdepict.scene.upright import UPS
 from meshdepict.scene.vectors import Vector
 from meshdepict.scene.view import VIEWS, View
 
-__all__ = ["Framing", "caption_lines", "check_scale", "frame"]
+__all__ = ["Framing", "caption_lines", "check_scale", "frame", "is_fitted"]
 
 _MARGIN = 1.05  # as `View.fitted`
 _USUAL = (1000, 1000)
@@ -77,7 +77,7 @@ def frame(view: View, shape: Shape, figure: Figure, *, turning: bool = False) ->
     """
     check_scale(view, figure)
     unit = figure.unit or getattr(shape, "length_unit", "")
-    if figure.pixels_per_unit is None and not _is_fitted(view, shape):
+    if figure.pixels_per_unit is None and not is_fitted(view, shape):
         size, scale = figure.pixels or _USUAL, view.parallel_scale
         words = _caption_room(figure, size)  # as much of the object as without, but smaller
         per_unit = None if scale is None else (size[1] - words) / (2 * scale)
@@ -198,7 +198,7 @@ def _strip(figure: Figure, size: tuple[int, int]) -> int:
     return min(3 * figure.letters(size), size[1] // 3) if figure.scale_bar else 0
 
 
-def _is_fitted(view: View, shape: Shape) -> bool:
+def is_fitted(view: View, shape: Shape) -> bool:
     """Whether a view was fitted to a shape by name."""
     squares = (View.fitted(view.name, shape, up=up) for up in UPS if view.name in VIEWS)
     return any(

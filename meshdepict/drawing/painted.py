@@ -99,7 +99,7 @@ class Turnable(Protocol):
     light: Lighting
 
     @property
-    def shape(self) -> Mesh:
+    def shape(self) -> Mesh | HeightField:
         """What turns."""
 
     @property

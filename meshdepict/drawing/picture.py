@@ -14,6 +14,7 @@ from meshdepict.drawing.canvas import add_painted, canvas, on_ground, place, uni
 from meshdepict.drawing.figure import Figure
 from meshdepict.drawing.framing import Framing, caption_lines, frame
 from meshdepict.drawing.letters import LEADING
+from meshdepict.drawing.map_picture import cell_pixels, draw_cells, draw_map, is_map
 from meshdepict.drawing.page import Page, Part, Picture, Words, paint
 from meshdepict.drawing.picture_files import check_picture, write_page
 from meshdepict.drawing.scale_bar import BAR_SHARE, bar_parts
@@ -24,10 +25,12 @@ if TYPE_CHECKING:
 
     from meshdepict.drawing.painted import Depicted, Painted
     from meshdepict.drawing.plotter import Plotter
+    from meshdepict.scene.view import View
 
 __all__ = [
     "caption_words",
     "draw_page",
+    "drawn",
     "finished",
     "image_page",
     "laid_out",
@@ -83,19 +86,34 @@ def draw_page(baked: Painted, figure: Figure) -> Page:
     """Return the page that `save_picture` writes."""
     unit = getattr(baked.shape, "length_unit", "")
     figure = figure.on(baked.ground).captioned(baked.provenance, unit)
+    side = cell_pixels(baked.shape, baked.view, figure)
+    if side:
+        return _pixel_page(draw_cells(baked, side), figure)
     framing = frame(baked.view, baked.shape, figure)
-    with canvas(baked, framing.drawn) as drawing:
-        return laid_out(drawing.draw(framing.view), framing, figure)
+    return laid_out(drawn(baked, framing.view, framing.drawn), framing, figure)
+
+
+def drawn(baked: Painted, view: View, size: tuple[int, int]) -> NDArray[np.uint8]:
+    """Draw a bake once, in a view and a size: colour times coverage, and coverage."""
+    if is_map(baked.shape, view):
+        return draw_map(baked, view, size)
+    with canvas(baked, size) as drawing:
+        return drawing.draw(view)
 
 
 def image_page(baked: Painted, figure: Figure) -> Page:
     """Return a page with the pixels of a baked image, just as they are, and the caption below."""
-    from PIL import Image
-
-    figure = figure.on(baked.ground).captioned(baked.provenance)
     covered = np.column_stack((baked.colors, np.full(len(baked.colors), 255, np.uint8)))
     assert isinstance(baked.shape, GBuffer)
-    image = Image.fromarray(on_ground(baked.shape.image(covered), figure.ground))
+    figure = figure.on(baked.ground).captioned(baked.provenance)
+    return _pixel_page(baked.shape.image(covered), figure)
+
+
+def _pixel_page(pixels: NDArray[np.uint8], figure: Figure) -> Page:
+    """Return a page with pixels just as they are, (h, w, 4), and the figure's caption below."""
+    from PIL import Image
+
+    image = Image.fromarray(on_ground(pixels, figure.ground))
     width, height = image.size
     letters = figure.letters(image.size)
     lines = caption_lines(figure, width, letters)

@@ -68,6 +68,11 @@ class InterpolatedSpace(ScaleSpace):
         """The mesh that the samples lie on."""
         return self.source.surface
 
+    @property
+    def vertical(self) -> NDArray[np.float64]:
+        """What level ground faces."""
+        return self.source.vertical
+
     def of_vertices(self, values: NDArray[Any]) -> NDArray[Any]:
         """Interpolate values of the vertices."""
         return self._spread(self.source.of_vertices(values))

@@ -80,6 +80,11 @@ class SeenSide(ScaleSpace):
         """The surface that rays from the samples can meet."""
         return self.source.surface
 
+    @property
+    def vertical(self) -> NDArray[np.float64]:
+        """What level ground faces."""
+        return self.source.vertical
+
     def mean(self, values: NDArray[Any], width: float) -> Floats:
         """Return values averaged over the samples around; see `ScaleSpace.mean`."""
         return self.source.mean(values, width)

@@ -13,6 +13,7 @@ from meshdepict.errors import MeshdepictError
 from meshdepict.images.pixel_samples import PixelSamples, check_size, finite
 from meshdepict.scene.vectors import frozen
 from meshdepict.shapes.fingerprint import fingerprint
+from meshdepict.shapes.height_field import HeightField
 from meshdepict.shapes.mesh import Mesh
 from meshdepict.shapes.summary import image_rows
 from meshdepict.shapes.table import html_table
@@ -106,13 +107,18 @@ class GBuffer(PixelSamples):
 
     @classmethod
     def of(
-        cls, shape: Mesh, view: View | str = "front", *, size: tuple[int, int] | None = None
+        cls,
+        shape: Mesh | HeightField,
+        view: View | str = "front",
+        *,
+        size: tuple[int, int] | None = None,
     ) -> GBuffer:
         """Look at a mesh: cast a ray through the centre of every pixel.
 
         Parameters
         ----------
-        shape : Mesh
+        shape : Mesh or HeightField
+            Of terrain its ground as a mesh.
         view : View or str
             A named one is fitted to the shape and the picture. The picture shows the height that
             the view says, whatever its number of pixels.
@@ -127,6 +133,8 @@ class GBuffer(PixelSamples):
         from meshdepict.scene.view import View
         from meshdepict.shapes.visibility import visible_surface
 
+        if isinstance(shape, HeightField):
+            shape = shape.mesh
         if not isinstance(shape, Mesh):
             raise MeshdepictError(f"a {type(shape).__name__} can't be looked at: give a Mesh")
         if size is None:

@@ -58,6 +58,10 @@ class HeightField(RasterPlace):
     valid : (rows, columns) ndarray of bool, read-only
     transform : six numbers
     crs, degrees, unit, attributes
+    z_factor : float
+        Times what these heights are those of the ground; see `raised`.
+    before : HeightField or None
+        The ground as it was before, where it was raised.
     steps : (rows or 1, 2, 2) ndarray of float64
         Metres [east, north] per step [to the next column, to the next row]; in degrees row by row.
 
@@ -100,6 +104,8 @@ class HeightField(RasterPlace):
         if attributes is not None and not isinstance(attributes, Mapping):
             raise MeshdepictError(f"attributes={attributes!r} is no mapping of names to values")
         self.attributes = dict(attributes or {})
+        self.z_factor = 1.0
+        self.before: HeightField | None = None
 
     # --- the raster -------------------------------------------------------------------------
 
@@ -170,10 +176,15 @@ class HeightField(RasterPlace):
         """
         top, left = rows.indices(self.z.shape[0])[0], columns.indices(self.z.shape[1])[0]
         z, valid = self.z[rows, columns], self.valid[rows, columns]
-        return window_of(self, top, left, z, valid, attributes=self.attributes)
+        part = window_of(self, top, left, z, valid, attributes=self.attributes)
+        part.z_factor = self.z_factor
+        part.before = None if self.before is None else self.before.window(rows, columns)
+        return part
 
     def raised(self, factor: float) -> HeightField:
         """Return the same ground with its heights multiplied: cartographers' z factor.
+
+        One that was raised `before` can be had from there.
 
         Raises
         ------
@@ -189,7 +200,9 @@ class HeightField(RasterPlace):
             heights = self.z * self.z.dtype.type(times)
         if not np.isfinite(heights).all():
             raise MeshdepictError(f"z_factor={factor:g} makes heights grow beyond all numbers")
-        return window_of(self, 0, 0, heights, self.valid, attributes=self.attributes)
+        found = window_of(self, 0, 0, heights, self.valid, attributes=self.attributes)
+        found.z_factor, found.before = self.z_factor * times, self.before or self
+        return found
 
     def __repr__(self) -> str:
         """Return size and spacing."""

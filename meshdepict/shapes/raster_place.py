@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from meshdepict.errors import MeshdepictError
+from meshdepict.heights.cell_lookup import cells_at
 from meshdepict.heights.cells import Transform, checked_transform, metric_steps, place_of
 from meshdepict.options import real
 from meshdepict.scene.vectors import frozen
@@ -91,9 +92,20 @@ class RasterPlace:
 
     def place(self, rows: Floats, columns: Floats) -> tuple[Floats, Floats]:
         """Return east and north in metres of the centres of cells."""
+        return place_of(
+            self.transform, rows, columns, degrees=self.degrees, unit=self.unit,
+            middle=self._middle,
+        )  # fmt: skip
+
+    def cells_at(self, east: Floats, north: Floats) -> tuple[Floats, Floats]:
+        """Return rows and columns at places in metres: a cell's centre has half ones."""
+        return cells_at(
+            self.transform, east, north, degrees=self.degrees, unit=self.unit, middle=self._middle
+        )
+
+    @property
+    def _middle(self) -> float:
+        """Where x, along every row, metres east are counted from in degrees."""
         wide, high = self.size
         a, b, c, *_ = self.transform
-        middle = a * wide / 2 + b * high / 2 + c
-        return place_of(
-            self.transform, rows, columns, degrees=self.degrees, unit=self.unit, middle=middle
-        )
+        return a * wide / 2 + b * high / 2 + c

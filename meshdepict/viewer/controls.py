@@ -10,9 +10,10 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
+from meshdepict.baking.choices import choice_fields
 from meshdepict.options import Choice, Option, Values, as_text, options_of
 
-__all__ = ["Control", "controls", "place_option", "slid"]
+__all__ = ["HEIGHTS", "Control", "controls", "place_option", "slid"]
 
 
 @dataclass(frozen=True)
@@ -56,6 +57,13 @@ class Control:
                 self.kind, ""
             )
         return as_text(self.default) if self.kind == "text" else self.default
+
+
+HEIGHTS = Control(
+    "z_factor", "slider", "z factor", choice_fields()["z_factor"].metadata["help"], 1.0,
+    low=0.5, high=10.0,
+)  # fmt: skip
+"""How high terrain stands: cartographers' vertical exaggeration, mostly 1 to 5."""
 
 
 def slid(value: Any) -> float:

@@ -5,6 +5,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -14,7 +15,7 @@ if TYPE_CHECKING:
     from meshdepict.scene.view import View
     from meshdepict.shapes.mesh import Mesh
 
-__all__ = ["pack_mesh", "sight"]
+__all__ = ["pack_mesh", "raised", "sight"]
 
 _STEPS = 65535  # along the longest side of the box: 0.02 pixels where it fills 1,000
 
@@ -45,6 +46,15 @@ def pack_mesh(mesh: Mesh) -> tuple[bytes, dict[str, Any]]:
         "low": low.tolist(),
         "span": [longest] * 3,
     }
+
+
+def raised(info: Mapping[str, Any], times: float) -> dict[str, Any]:
+    """Return what `pack_mesh` says about a mesh with its heights (z) multiplied.
+
+    Its bytes are the same: they stand for other heights.
+    """
+    (*low, z), (*span, high) = info["low"], info["span"]
+    return {**info, "low": [*low, z * times], "span": [*span, high * times]}
 
 
 def sight(view: View) -> dict[str, Any]:

@@ -6,6 +6,7 @@ Knows neither windows nor pages; both change a `Session` and show its colours.
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -14,10 +15,10 @@ from numpy.typing import ArrayLike, NDArray
 from meshdepict import color
 from meshdepict.baking.baked import Baked
 from meshdepict.baking.choices import Choices, choice_fields
-from meshdepict.baking.chosen_normals import with_chosen_normals
 from meshdepict.baking.look import Look, bake
 from meshdepict.baking.pixel_widths import measured
-from meshdepict.baking.surfaces import as_mesh
+from meshdepict.baking.surfaces import as_solid, with_choices
+from meshdepict.drawing.framing import is_fitted
 from meshdepict.errors import MeshdepictError
 from meshdepict.options import check, options_of
 from meshdepict.scales.making import scale_space
@@ -26,11 +27,13 @@ from meshdepict.scene.names import LightsLike, as_lighting, as_view
 from meshdepict.scene.rig import Rig
 from meshdepict.scene.view import View
 from meshdepict.shading.registry import METHODS, find_method
-from meshdepict.viewer.controls import place_option
+from meshdepict.shapes.height_field import HeightField
+from meshdepict.viewer.controls import HEIGHTS, Control, controls, place_option
 from meshdepict.viewer.light_drag import carried, dragged
 
 if TYPE_CHECKING:
     from meshdepict.shading.method import Declaration
+    from meshdepict.shapes.mesh import Mesh
 
 __all__ = ["UNSHOWN", "Session", "refuse_unshown"]
 
@@ -40,7 +43,7 @@ class Session:
 
     Parameters
     ----------
-    shape : path, Mesh, pyvista.PolyData or trimesh.Trimesh
+    shape : path, Mesh, HeightField, pyvista.PolyData or trimesh.Trimesh
     method, **chosen
         As for `Look`, but for what no session shows (`UNSHOWN`).
     progress : callable, optional
@@ -48,7 +51,8 @@ class Session:
 
     Attributes
     ----------
-    shape : Mesh
+    shape : Mesh or HeightField
+        Of terrain the heights that are shown, times its z factor.
     method : str
     function : callable
         That the method's name stands for.
@@ -73,7 +77,10 @@ class Session:
         **chosen: Any,
     ) -> None:
         look = Look(method, **chosen)
-        self.shape = with_chosen_normals(as_mesh(shape), look)
+        solid = as_solid(shape)
+        look.of_kind(solid.kind)  # refuses what is about other kinds
+        self.shape: Mesh | HeightField = with_choices(solid, look)
+        _ = self.surface  # what has none can't be shown
         self._begin(look, progress)
         self._first = self.look_now()
 
@@ -89,6 +96,7 @@ class Session:
         self.progress = progress
         self._spaces: dict[tuple[int, float], ScaleSpace] = {}
         self._options: dict[str, dict[str, Any]] = {}
+        self._follows: dict[str, Any] = {}  # options of the method that follow the kind of shape
         self._baked: Any = None  # a Baked; of volumes a BakedVolume
         self.colormap: str | None = None
         self.light_fixed_to = "object"
@@ -103,6 +111,7 @@ class Session:
         self.function = find_method(method)
         self.method = self.function.__name__
         self._options.setdefault(self.method, {})
+        self._follows = dict(Look(self.function).of_kind(self.shape.kind).options)
         if self._lit_from is not None:
             asked = self._asked.replace(method=self.function, light=None)
             self.light = asked.lighting(self._lit_from, self.shape.kind)
@@ -111,13 +120,49 @@ class Session:
         self._baked = None
 
     def set(self, **options: Any) -> None:
-        """Change options of the method; None puts one back to its default."""
+        """Change options of the method, or terrain's z_factor; None puts one back to its default.
+
+        Raises
+        ------
+        MeshdepictError
+            For anything unknown or out of range.
+        """
         known = options_of(self.function)
+        if HEIGHTS.name in options and HEIGHTS.name not in known:
+            factor = options.pop(HEIGHTS.name)
+            self.raise_heights(HEIGHTS.default if factor is None else factor)
         wanted = {
             name: known[name].default if value is None and name in known else value
             for name, value in options.items()
         }
         self.options.update(check(self.function, wanted, self.method))
+        self._baked = None
+
+    def raise_heights(self, z_factor: float) -> None:
+        """Let terrain stand so many times as high as its ground; the eye stays before its place.
+
+        Raises
+        ------
+        MeshdepictError
+            Of a mesh, and for a factor that is no positive number.
+        """
+        before = self.shape
+        if not isinstance(before, HeightField):
+            raise MeshdepictError(f"z_factor is about a height field, and this is a {before.kind}")
+        after = (before.before or before).raised(z_factor)
+        if after.z_factor == before.z_factor:
+            return
+        if is_fitted(self.view, before):
+            self.view = as_view(self.view.name, after, up=self.up)
+        else:
+            rise = self.view.focus[2] * (after.z_factor / before.z_factor - 1)
+            step = np.array([0, 0, rise])
+            self.view = replace(
+                self.view, position=self.view.position + step, focus=self.view.focus + step
+            )
+        self.shape = after
+        self._asked = self._asked.replace(z_factor=after.z_factor)
+        self._spaces.clear()
         self._baked = None
 
     def attend(self, point: ArrayLike | None) -> str:
@@ -203,6 +248,8 @@ class Session:
 
     def go_back(self, look: Look) -> None:
         """Choose again what `look_now` returned."""
+        if isinstance(self.shape, HeightField):
+            self.raise_heights(look.z_factor)
         self.use(look.function)
         self.view = as_view(look.view, self.shape, up=self.up)
         self.light = look.lighting(self.view, self.shape.kind)
@@ -212,6 +259,8 @@ class Session:
 
     def adopt(self, space: ScaleSpace, baked: Baked) -> None:
         """Take over a scale space of the shape, and its bake, which stays as it is."""
+        if isinstance(space.shape, HeightField):
+            self.shape = space.shape
         self._spaces[len(space.widths) - 1, space.ratio] = space
         self._baked = Baked(
             baked.shape,
@@ -228,6 +277,29 @@ class Session:
     def options(self) -> dict[str, Any]:
         """Options of the method that were set."""
         return self._options[self.method]
+
+    @property
+    def surface(self) -> Mesh:
+        """The shape, or of terrain its ground, as a mesh."""
+        return self.shape.mesh if isinstance(self.shape, HeightField) else self.shape
+
+    @property
+    def z_factor(self) -> float:
+        """Times what terrain is as high as its ground; 1 of a mesh."""
+        return self.shape.z_factor if isinstance(self.shape, HeightField) else 1.0
+
+    @property
+    def controls(self) -> list[Control]:
+        """What a person can set: how high terrain stands, and the options of the method."""
+        own = [HEIGHTS] if isinstance(self.shape, HeightField) else []
+        return [*own, *controls(self.function)]
+
+    def value(self, control: Control) -> Any:
+        """Return what is set, or follows from the kind of shape; None where the method finds it."""
+        if control is HEIGHTS:
+            return self.z_factor
+        chosen = self.options.get(control.name)
+        return self._follows.get(control.name, control.default) if chosen is None else chosen
 
     @property
     def declared(self) -> Declaration:
@@ -283,7 +355,8 @@ class Session:
 
     def settled(self) -> Look:
         """Return what is chosen, with the numbers that followed from the whole shape."""
-        return self.look_now().settled(self.space)
+        chosen = {name: value for name, value in self.options.items() if value is not None}
+        return self.look_now().replace(**{**self._follows, **chosen}).settled(self.space)
 
     def _bake(self, space: ScaleSpace) -> Baked:
         found = bake(

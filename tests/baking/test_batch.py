@@ -266,7 +266,7 @@ def md_path(text):
 
 def test_names_are_checked_before_anything_is_read(run, ball_ply, folder, monkeypatch):
     (folder / "out.ply").write_text("mine")
-    monkeypatch.setattr(batch, "read_mesh", lambda *_, **__: pytest.fail("read too early"))
+    monkeypatch.setattr(batch, "as_solid", lambda *_, **__: pytest.fail("read too early"))
     for words in (("-o", "out.ply"), ("-o", "x.stl"), ("--picture", "x.tif")):
         assert run("bake", "ball.ply", *words)[0] == 2
 
@@ -320,7 +320,7 @@ def test_running_out_of_memory_is_one_file_s_fault(run, ball_ply, folder, monkey
             raise MemoryError
         return read_mesh(path)
 
-    monkeypatch.setattr(batch, "read_mesh", read)
+    monkeypatch.setattr(batch, "as_solid", read)
     status, out, err = run("bake", "ball.ply", "second.ply")
     assert (status, len(out)) == (2, 1)
     assert err[0].startswith("meshdepict: ball.ply: out of memory")
@@ -418,7 +418,7 @@ def test_a_find_too_large_for_the_plate_is_refused_before_its_bake(run, ball_ply
 
 
 def test_figures_are_refused_before_anything_is_read(run, ball_ply, folder, monkeypatch):
-    monkeypatch.setattr(batch, "read_mesh", lambda *_, **__: pytest.fail("read too early"))
+    monkeypatch.setattr(batch, "as_solid", lambda *_, **__: pytest.fail("read too early"))
     (folder / "look.toml").write_text(
         "view = { position = [0, 0, 9], focus = [0, 0, 0], up = [0, 1, 0] }\n"
     )

@@ -42,7 +42,7 @@ def test_a_volume_opens_the_same_window(run, folder):
     assert not [line for line in run(*words, "--quiet")[2] if "keys" in line]
     save_recipe("look.toml", {"method": "phong", "transfer": "skin", "light": "east"})
     assert run("view", "head.nrrd", "--recipe", "look.toml", "--frames", 1)[0] == 0
-    assert "the browser shows meshes alone so far" in wrong(run, "head.nrrd", "--browser")
+    assert "the browser shows surfaces alone so far" in wrong(run, "head.nrrd", "--browser")
 
 
 def test_without_a_file_it_is_the_golf_ball(run, pages):

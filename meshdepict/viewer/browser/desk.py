@@ -20,7 +20,7 @@ from meshdepict.options import as_text
 from meshdepict.scene.light import Light
 from meshdepict.scene.rig import Rig
 from meshdepict.scene.view import View
-from meshdepict.viewer.controls import Control, controls, place_option, slid
+from meshdepict.viewer.controls import Control, place_option, slid
 from meshdepict.viewer.packing import sight
 from meshdepict.viewer.page import save_page
 
@@ -89,7 +89,7 @@ class Desk:
             "methods": list(METHODS),
             "about": " ".join(summary.split()),
             "place": place_option(session.function) or "",
-            "controls": [self._control(control) for control in controls(session.function)],
+            "controls": [self._control(control) for control in session.controls],
             "light": handle.direction.tolist() if isinstance(handle, Light) else None,
             "follows": session.light_fixed_to == "eye",
             "lightText": str(light)[:200],
@@ -131,7 +131,7 @@ class Desk:
             return path.read_bytes()
 
     def _control(self, control: Control) -> dict[str, Any]:
-        value = self.session.options.get(control.name, control.default)
+        value = self.session.value(control)
         shown = control.start if value is None else value
         if control.kind == "slider":
             shown = slid(shown)

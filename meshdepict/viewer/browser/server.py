@@ -20,7 +20,7 @@ from meshdepict.errors import MeshdepictError
 from meshdepict.viewer.browser.desk import KINDS, Desk
 from meshdepict.viewer.browser.gate import Gate
 from meshdepict.viewer.browser.redirect import redirect
-from meshdepict.viewer.packing import pack_mesh
+from meshdepict.viewer.packing import pack_mesh, raised
 from meshdepict.viewer.page import WEB
 
 if TYPE_CHECKING:
@@ -171,7 +171,8 @@ class _Server:
         )
         with DivLayout(trame) as layout:
             layout.root.add_child("<depict-app />")
-        self.mesh, state.mesh = pack_mesh(self.desk.session.shape)
+        self.z_factor = self.desk.session.z_factor
+        self.mesh, state.mesh = pack_mesh(self.desk.session.surface)
         self.shown = self.desk.session.colors
         self.colors = self.shown.tobytes()
         state.update(
@@ -253,6 +254,10 @@ class _Server:
             with self.trame.state as state:
                 if look is not None:
                     state.look = look
+                if self.desk.session.z_factor != self.z_factor:
+                    times = self.desk.session.z_factor / self.z_factor
+                    self.z_factor = self.desk.session.z_factor
+                    state.mesh = raised(state.mesh, times)
                 if ["reset"] in changes and home is not None:
                     state.home = {**home, "count": state.home["count"] + 1}
                 if not message and self.desk.session.colors is not self.shown:

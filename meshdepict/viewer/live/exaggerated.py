@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from meshdepict.drawing.shader import Uniforms
+from meshdepict.errors import MeshdepictError
 from meshdepict.scales.space import ScaleSpace
 from meshdepict.scene.view import View
 from meshdepict.shading import exaggerated
@@ -17,6 +18,17 @@ from meshdepict.viewer.live.live_method import Attributes, LiveMethod, Options, 
 __all__ = ["EXAGGERATED"]
 
 _GLSL = f"""
+#ifdef RELIEF
+vec3 shade() {{
+  vec3 l = light_direction(0);
+  l -= vertical * dot(vertical, l);
+  float level = length(l);
+  l = level > {SINGULAR_LIGHT**2:g} ? l / level : vec3(0.0);
+  float c = 0.0;
+  for (int i = 0; i < SETS; i++) c += weights[i] * clamp(exaggeration[i] * dot(n[i], l), -1.0, 1.0);
+  return vec3(0.5 + 0.5 * c);
+}}
+#else
 vec3 shade() {{
   vec3 l = light_direction(0);
 #ifdef ATTENTION
@@ -35,6 +47,7 @@ vec3 shade() {{
   }}
   return vec3(0.5 + 0.5 * c);                                             // eq. 5
 }}
+#endif
 """
 
 
@@ -51,10 +64,14 @@ def _uniforms(space: ScaleSpace, options: Options) -> Uniforms:
         space.widths, space.ratio,
         emphasis=options["emphasis"], contrast=tones["contrast"], base=tones["base"],
     )  # fmt: skip
-    steep = per_band(space, tones["exaggeration"])
+    relief = bool(options["one_light"])
+    steep = per_band(space, tones["exaggeration"], len(weights) if relief else None)
     pairs = len(space.widths) if options["contrast"] != 0 else 2
-    found: Uniforms = {"weights": list(weights[:pairs]), "exaggeration": list(steep[: pairs - 1])}
-    if options["focus"] is not None:
+    bands = pairs if relief else pairs - 1
+    found: Uniforms = {"weights": list(weights[:pairs]), "exaggeration": list(steep[:bands])}
+    if relief:
+        found["vertical"] = tuple(map(float, space.vertical))
+    if options["focus"] is not None and not relief:
         unit = space.shape.diagonal or 1.0
         reach = NEAR if options["radius"] is None else options["radius"] / unit
         # Held within what float32 can divide; an infinite distance is as good as a large one.
@@ -63,11 +80,21 @@ def _uniforms(space: ScaleSpace, options: Options) -> Uniforms:
     return found
 
 
+def _defines(options: Options) -> dict[str, int]:
+    if options["one_light"]:
+        if options["focus"] is not None:
+            raise MeshdepictError(
+                "exaggerated: one_light has no focus: leave it out, or set one_light=False"
+            )
+        return {"RELIEF": 1}
+    return {} if options["focus"] is None else {"ATTENTION": 1}
+
+
 EXAGGERATED = LiveMethod(
     exaggerated,
     _GLSL,
     attributes=_attributes,
     uniforms=_uniforms,
-    defines=lambda options: {} if options["focus"] is None else {"ATTENTION": 1},
+    defines=_defines,
     only={"principal_strength": (0.0,)},
 )

@@ -12,6 +12,7 @@ from meshdepict.drawing.shader import SURROUNDINGS, assemble, set_uniforms
 from meshdepict.errors import MeshdepictError
 from meshdepict.scales.space import ScaleSpace
 from meshdepict.scene.view import View
+from meshdepict.shapes.height_field import HeightField
 from meshdepict.shapes.mesh import Mesh
 from meshdepict.viewer.live import encoding, octahedral
 from meshdepict.viewer.live.locality import along_curve
@@ -28,6 +29,7 @@ if TYPE_CHECKING:
     from vtkmodules.vtkRenderingCore import vtkActor, vtkPolyDataMapper
 
     from meshdepict.drawing.plotter import Plotter
+    from meshdepict.scene.shape import Shape
     from meshdepict.shapes.data_set import PolyData
 
 __all__ = ["LiveShading", "live_methods"]
@@ -82,11 +84,12 @@ class LiveShading(LiveLook):
 
     def _made(self, space: ScaleSpace) -> vtkActor:
         shape = space.shape if isinstance(space, ScaleSpace) else None
-        if not isinstance(shape, Mesh) or len(space.points) != len(shape.vertices):
+        known = isinstance(shape, (Mesh, HeightField))
+        if not known or len(space.points) != len(space.surface.vertices):
             raise MeshdepictError(
                 "live shading needs the scale space of a mesh's vertices; bake other shapes instead"
             )
-        actor, self._mapper, self._poly = _actor(shape)
+        actor, self._mapper, self._poly = _actor(shape, space.surface)
         return actor
 
     def set_colormap(self, colormap: str | None) -> None:
@@ -146,19 +149,19 @@ class LiveShading(LiveLook):
         return sets
 
 
-def _actor(shape: Mesh) -> tuple[vtkActor, vtkPolyDataMapper, PolyData]:
+def _actor(shape: Shape, mesh: Mesh) -> tuple[vtkActor, vtkPolyDataMapper, PolyData]:
     """Return an actor of the recentred mesh, without lighting, and its data."""
     import pyvista as pv
     import vtkmodules.vtkRenderingOpenGL2  # noqa: F401 (what draws)
     from vtkmodules.vtkRenderingCore import vtkActor, vtkPolyDataMapper
 
     poly = pv.PolyData()
-    poly.points = shape.recentred(shape.vertices).astype(np.float32)
-    if shape.polygons is None:
-        faces = along_curve(poly.points, shape.faces)
+    poly.points = shape.recentred(mesh.vertices).astype(np.float32)
+    if mesh.polygons is None:
+        faces = along_curve(poly.points, mesh.faces)
         poly.SetPolys(pv.CellArray.from_regular_cells(faces, deep=True))
     else:  # which VTK divides as it does those of a bake
-        connectivity, offsets = shape.polygons
+        connectivity, offsets = mesh.polygons
         poly.SetPolys(pv.CellArray.from_arrays(offsets, connectivity, deep=True))
     mapper = vtkPolyDataMapper()
     mapper.SetInputData(poly)

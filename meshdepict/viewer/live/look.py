@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from meshdepict.baking.choices import Choices
 from meshdepict.drawing.shader import MOST_LIGHTS, caught_errors
 from meshdepict.errors import MeshdepictError
 from meshdepict.options import check, nearest, options_of
@@ -67,7 +68,7 @@ class LiveLook:
         self.actor = self._made(space)
         self._options: dict[str, Any] = {
             name: option.default for name, option in options_of(self._method.function).items()
-        }
+        } | dict(Choices(self._method.function).of_kind(space.shape.kind).options)
         self._view = as_view(view, space.shape)
         self._light = declaration(self._method.function).light if light is None else light
         # What the card has by now.

@@ -181,6 +181,7 @@
         const state = this.trame.state;
         if (keys.includes("progress")) this.progress = state.get("progress");
         if (keys.includes("message")) this.message = state.get("message");
+        if (keys.includes("mesh") && this.view.info) this.view.stretch(state.get("mesh"));
         if (keys.includes("home") && this.view.info) {
           this.view.look(state.get("home"));
           this.frame = this.view.sight.frame;

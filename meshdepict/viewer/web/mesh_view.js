@@ -81,9 +81,25 @@ window.MeshView = (() => {
       this.info = info;
       this.positions = summed(new Uint16Array(buffer.slice(0, points)), 3);
       this.indices = summed(new Index(buffer.slice(points)), 1);
-      this.middle = info.low.map((x, i) => x + info.span[i] / 2);
-      this.radius = Math.hypot(...info.span) / 2 || 1;
+      this.measure();
       this.upload();
+    }
+
+    measure() {
+      const { low, span } = this.info;
+      this.middle = low.map((x, i) => x + span[i] / 2);
+      this.radius = Math.hypot(...span) / 2 || 1;
+    }
+
+    /* The same numbers stand for other places: terrain is raised. What is looked at stays so. */
+    stretch(info) {
+      const before = this.info;
+      this.info = info;
+      this.measure();
+      const moved = (sight) => sight && { ...sight, focus: sight.focus.map((x, i) => info.low[i]
+        + ((x - before.low[i]) * info.span[i]) / before.span[i]) };
+      [this.sight, this.home] = [moved(this.sight), moved(this.home)];
+      this.draw();
     }
 
     upload() {

@@ -101,12 +101,20 @@ class LitObject(LitShape):
     @property
     def has_stand_in(self) -> bool:
         """Whether the mesh is so big that there is a coarse one to show."""
-        return Proxy.worth(self._session.shape)
+        return Proxy.worth(self._session.surface)
 
     def prepare(self) -> None:
         """Make the coarse stand-in before it is needed."""
         if self.has_stand_in and self._proxy is None:
-            self._proxy = Proxy(self._session.shape)
+            self._proxy = Proxy(self._session.surface)
+
+    def remake(self) -> None:
+        """Draw the session's shape anew: it is another one."""
+        self._drop_live()
+        for mesh in self._meshes.values():
+            self._renderer.RemoveActor(mesh.actor)
+        self._meshes, self._proxy = {}, None
+        self.touch()
 
     def touch(self) -> None:
         """Say that what the session shows is no longer what is drawn."""
@@ -165,9 +173,9 @@ class LitObject(LitShape):
             assert self._proxy is not None
             chosen = self._proxy.chosen
         if new:
-            shape = session.shape
+            shape = session.surface
             faces = shape.faces if self._proxy is None or size == "whole" else self._proxy.faces
-            self._meshes[key] = PaintedMesh(shape.recentred(shape.vertices[chosen]), faces)
+            self._meshes[key] = PaintedMesh(session.shape.recentred(shape.vertices[chosen]), faces)
             self._renderer.AddActor(self._meshes[key].actor)
             self._clip(self._meshes[key].actor, when)
         if new or (fresh and key in self._stale):

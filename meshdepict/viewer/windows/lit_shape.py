@@ -57,6 +57,9 @@ class LitShape:
     def prepare(self) -> None:
         """Make the coarse stand-in before it is needed."""
 
+    def remake(self) -> None:
+        """Draw the session's shape anew: it is another one."""
+
     def touch(self) -> None:
         """Say that what the session shows is no longer what is drawn."""
 

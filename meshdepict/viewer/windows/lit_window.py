@@ -44,7 +44,7 @@ class LitWindow:
     ----------
     session : Session
     name : str, optional
-        In the title, and what saved files are called; "mesh" or "volume" unless given.
+        In the title, and what saved files are called; its kind unless given.
     folder : path
         Where they go.
     size : (int, int)
@@ -85,13 +85,14 @@ class LitWindow:
     ) -> None:
         session.baked()  # what can't be shaded is refused before a window opens
         self.session = session
-        self.name, self.folder = name or session.shape.kind, folder
+        self.name, self.folder = name or session.shape.kind.replace(" ", "-"), folder
         self.said = ""
         self.fault: BaseException | None = None
         self.pace = Pace()
         self._held: tuple[str, tuple[int, int]] | None = None  # what a drag moves
         self._due: float | None = None
         self._shown = session.look_now()
+        self._shape = session.shape  # that is drawn: terrain may be raised
         self._seen: View = session.view
         self._told = 0.0  # when progress was last shown
         self._drawn = self._took = 0.0  # when the last frame was complete, and how long it took
@@ -144,6 +145,7 @@ class LitWindow:
     def reset(self) -> None:
         """Go back to the beginning, but draw nothing."""
         self.session.reset()
+        self._reshape()
         self.compare(on=False)
         self.go(self.session.view)
         self.object.touch()
@@ -167,6 +169,7 @@ class LitWindow:
         except MeshdepictError as error:
             self.said = str(error)
             self.session.go_back(self._shown)
+            self._reshape()
             self._seen = self.session.view
             self.object.touch()
             shading = self.object.show(coarse=coarse)
@@ -320,7 +323,15 @@ class LitWindow:
     def _set(self, name: str, value: float | str) -> None:
         """Take an option from the panel."""
         self.session.set(**{name: value})
+        self._reshape()
         self.moved(recolored=True)
+
+    def _reshape(self) -> None:
+        """Draw another shape where the session has one: terrain with other heights."""
+        if self.session.shape is not self._shape:
+            self._shape = self.session.shape
+            self.object.remake()
+            self.go(self.session.view)
 
     # --- its end ------------------------------------------------------------------------------
 

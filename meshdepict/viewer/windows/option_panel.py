@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from meshdepict.viewer.controls import Control, controls, slid
+from meshdepict.viewer.controls import Control, slid
 from meshdepict.viewer.session import Session
 from meshdepict.viewer.windows.cycle import other
 from meshdepict.viewer.windows.labels import INK, label
@@ -135,11 +135,11 @@ class OptionPanel:
         self._sliders, self._lists, self._words = [], [], []
 
     def _value(self, control: Control) -> Any:
-        return self._session.options.get(control.name, control.default)
+        return self._session.value(control)
 
     def _build(self) -> None:
         self.close()
-        known = controls(self._session.function)
+        known = self._session.controls
         sliders = [control for control in known if control.kind == "slider"]
         pages = max(1, math.ceil(len(sliders) / SLIDERS))
         self._page %= pages

@@ -6,6 +6,7 @@ from meshdepict.baking.baked import Baked, Depiction
 from meshdepict.baking.volumes import BakedVolume
 from meshdepict.errors import MeshdepictError
 from meshdepict.scene.environment import Environment
+from meshdepict.shapes.height_field import HeightField
 from meshdepict.viewer.session import Session
 from meshdepict.viewer.windows.volume_session import VolumeSession
 
@@ -17,7 +18,7 @@ def session_of(baked: Depiction) -> Session:
 
     Parameters
     ----------
-    baked : Baked of a mesh, or BakedVolume
+    baked : Baked of a mesh or a height field, or BakedVolume
 
     Raises
     ------
@@ -47,7 +48,11 @@ def session_of(baked: Depiction) -> Session:
             raise MeshdepictError("a volume without a transfer function can't be lit anew")
         return VolumeSession(baked, again.function, **again.words())
     assert isinstance(baked, Baked)
-    again = again.replace(facing=space.facing)
-    session = Session(baked.shape, again.function, **again.words())
+    shape = baked.shape
+    if isinstance(shape, HeightField):
+        shape = shape.before or shape  # which the look raises again
+    else:
+        again = again.replace(facing=space.facing)
+    session = Session(shape, again.function, **again.words())
     session.adopt(space, baked)
     return session
