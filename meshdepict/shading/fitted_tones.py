@@ -61,17 +61,13 @@ Meshes of few vertices have many such bands, none of which shows as detail.
 """
 
 _BROAD = 0.05  # widths beyond which a band is part of the broad tone, in diagonals
-_FLAT = (
-    500  # times as much as a plane bends at the finest scale, it bends at the coarsest: a smooth
-)
-# surface bends with the square of the width, at most 256 times as much over nine scales
+# A plane is flat at the finest scale; a smooth surface bends with the square of the width, at the
+# coarsest of nine scales 256 times as much.
+_FLAT = 500
 _BENT = 0.1  # sine that is a bend; less is no halo
-_SHARES = (
-    0.05,
-    0.2,
-)  # of samples on planes: no shape of planes, and one. Scans have 0.003, fandisk 0.25
+_SHARES = 0.05, 0.2  # of samples on planes: no shape of planes, and one; scans have 0.003
 _BASES = np.geomspace(8.0, 64.0, 61)  # times the paper's base coat; below 8 planes stay mid-grey
-_CLIPPED = 0.01, 0.05  # share of samples that contrast may take to black and white; of planes
+_CLIPPED, _CLIPPED_PLANES = 0.01, 0.05  # share of samples that contrast may take to black and white
 _MOST_CONTRAST = 2.0
 _SAMPLES = 8_000  # that are looked at; spread evenly over more
 _AZIMUTHS, _HEIGHTS = 8, 2  # lights round every sample; those from below give the negative
@@ -138,7 +134,7 @@ def _fit(space: ScaleSpace, emphasis: float) -> FittedTones:
         least = max(least, _base(*moments, BROAD_CONFORMITY))
     base = _rounded(least)
     sums = np.abs(detail + np.float32(base) * coat) / (weights[:-1].sum() + base * weights[-1])
-    high = float(np.quantile(sums, 1 - _CLIPPED[0] - flat * (_CLIPPED[1] - _CLIPPED[0])))
+    high = float(np.quantile(sums, 1 - _CLIPPED - flat * (_CLIPPED_PLANES - _CLIPPED)))
     return FittedTones(steep, base, _rounded(min(max(1 / max(high, 1e-9), 1.0), _MOST_CONTRAST)))
 
 
