@@ -28,6 +28,7 @@ _KINDS = {"-o": ".png", "--csv": ".csv", "--html": ".html"}
         "refine",
         "albedo",
         "two_sided",
+        "z_factor",
     ),
     options=False,
 )
