@@ -10,7 +10,8 @@ from figure_parts import Shot, Stage, drawing, figure, page
 from PIL import Image
 
 from meshdepict.congruence.comparison import Comparison, compare
-from meshdepict.congruence.judging import light_directions, picture
+from meshdepict.congruence.judging import picture
+from meshdepict.congruence.lights import light_directions
 from meshdepict.congruence.report import contact_sheet
 from meshdepict.scene.material import Phong
 from meshdepict.shading.light_alignment import align, confidence, transition

@@ -49,6 +49,7 @@ def compare(
     scored: Annotated[
         Literal["declared", "linear", "display"], Parameter(group=DETAIL)
     ] = "declared",
+    flow: Annotated[Literal["depth", "slope"], Parameter(group=DETAIL)] = "depth",
     look: LookWords,
     winding: Annotated[Literal["auto", "keep"], Parameter(group=FILES)] = "auto",
     everywhere: Everywhere,
@@ -81,6 +82,8 @@ def compare(
         Shade pixels, as the papers do, instead of vertices.
     scored
         Which values are scored: as each method declares, or linear or displayed ones of all alike.
+    flow
+        What the shape's flow is read from: its depth, as in the paper, or how its normals tilt.
     winding
         auto: turn faces that look inwards before shading; keep: believe the file.
     """
@@ -112,7 +115,7 @@ def compare(
         mesh = samples.golf_ball() if source is None else as_solid(source, winding=winding)
         found = comparison.compare(
             mesh, method or None, lights=lights, size=pixels, options=given,
-            per_pixel=per_pixel, scored=scored, progress=progress,
+            per_pixel=per_pixel, scored=scored, flow=flow, progress=progress,
             **{"view": AUTO, "up": AUTO, **look.said},
         )  # fmt: skip
         comparison_report.save_sheet(found, output)

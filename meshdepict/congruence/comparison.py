@@ -17,7 +17,8 @@ from meshdepict import color
 from meshdepict.baking.choices import HEIGHTS, IMAGE, SIDES
 from meshdepict.baking.look import Look
 from meshdepict.baking.surfaces import as_solid, with_choices
-from meshdepict.congruence.judging import Judge, light_directions, picture
+from meshdepict.congruence.judging import Judge, ShapeFlow, check_flow, picture
+from meshdepict.congruence.lights import light_directions
 from meshdepict.errors import MeshdepictError
 from meshdepict.options import as_text, check, options_of
 from meshdepict.scales.ladder import FACING, TOLERANCE, Progress
@@ -120,6 +121,7 @@ def compare(
     options: Mapping[str, Mapping[str, Any]] | None = None,
     per_pixel: bool = False,
     scored: Scored = "declared",
+    flow: ShapeFlow = "depth",
     scales: int = 6,
     width: float | str | None = None,
     ratio: float = 1.7,
@@ -156,6 +158,9 @@ def compare(
     scored : {"declared", "linear", "display"}
         What values are scored: as each method declares its own (linear light of most, display
         values of Exaggerated Shading), or those of all alike.
+    flow : {"depth", "slope"}
+        What the shape's flow is read from: the depth, as in the paper, or the original normals, by
+        how they tilt; see `congruence.score`.
     scales, width, ratio, facing, tolerance
         Of the scale space; see `scale_space`.
     creases, normals, z_factor
@@ -176,6 +181,7 @@ def compare(
     start = time.perf_counter()
     if scored not in typing.get_args(Scored):
         raise MeshdepictError(f"scored={scored!r} is none of {', '.join(typing.get_args(Scored))}")
+    check_flow(flow)
     functions = _by_name(usual_methods() if methods is None else methods)
     seen = Look(view=view, up=up, creases=creases, normals=normals, z_factor=z_factor)
     solid = as_solid(shape)
@@ -210,7 +216,10 @@ def compare(
 
     lambert = METHODS["lambert"]
     reference = shaded(lambert, Light(eye.towards_eye), {})
-    judge = Judge(buffer.depth, buffer.mask, reference=judged(reference, lambert))
+    judge = Judge(
+        buffer.depth, buffer.mask, reference=judged(reference, lambert), flow=flow,
+        normals=buffer.image(buffer.normals @ eye.frame.T) if flow == "slope" else None,
+    )  # fmt: skip
     scores = np.zeros((len(functions), len(lamps)))
     height, width_px = buffer.mask.shape
     pictures = np.empty((len(functions), len(lamps), height, width_px, 3), np.uint8)
@@ -231,7 +240,7 @@ def compare(
     return Comparison(
         methods=tuple(functions), lights=lamps, scores=scores, pictures=pictures,
         score_pictures=maps, options=chosen, shape=mesh, view=eye,
-        settings={**smoothing, **made, "per_pixel": per_pixel, "scored": scored},
+        settings={**smoothing, **made, "per_pixel": per_pixel, "scored": scored, "flow": flow},
         seconds=time.perf_counter() - start,
     )  # fmt: skip
 

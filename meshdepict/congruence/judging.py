@@ -1,28 +1,28 @@
 """Congruence: how well a shading's flow follows the flow of the shape (Local Light Alignment, §7).
 
 Both flows are read from pictures of one view: the structure tensors of the shading and of the
-depth. A score of 1 says that the shading's bands run along those of the shape everywhere and are
-as marked; 0, that it shows nothing of the shape.
+depth, or of the slope. A score of 1 says that the shading's bands run along those of the shape
+everywhere and are as marked; 0, that it shows nothing of the shape.
 """
 
 from __future__ import annotations
 
-from dataclasses import replace
-from typing import TYPE_CHECKING, Any, NamedTuple
+from collections.abc import Sequence
+from typing import Any, Literal, NamedTuple, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from meshdepict.congruence.contours import connected, mean_slopes, whole_windows
-from meshdepict.congruence.picture_input import checked_mask, checked_picture
+from meshdepict.congruence.contours import connected, whole_windows
+from meshdepict.congruence.estimated_normals import estimated_normals
+from meshdepict.congruence.picture_input import checked_mask, checked_normals, checked_picture
 from meshdepict.congruence.structure_tensor import StructureTensor, reach, structure_tensor
-from meshdepict.scene.light import Light
-from meshdepict.scene.names import as_light
+from meshdepict.errors import MeshdepictError
 
-if TYPE_CHECKING:
-    from meshdepict.scene.view import View
+__all__ = ["Flows", "Judge", "ShapeFlow", "check_flow", "flows", "picture", "score"]
 
-__all__ = ["LIGHTS", "Flows", "Judge", "flows", "light_directions", "picture", "score"]
+ShapeFlow = Literal["depth", "slope"]
+"""What the shape's flow is read from: see `Judge`."""
 
 Floats = NDArray[np.floating[Any]]
 Mask = NDArray[np.bool_]
@@ -34,18 +34,7 @@ _REACH = reach(_GRADIENT_WIDTH) + reach(_TENSOR_WIDTH)
 _WINDOW = 2 * _REACH + 1
 _TOP = 99  # the percentile of the energies that counts as 1
 _ROUNDING = 1e-12  # of an image in double precision, relative
-_USUAL_SLOPE = 0.8  # root mean square, of whole objects: see `Judge`
-
-LIGHTS = (
-    *((90, polar) for polar in range(15, 106, 15)),
-    *((0, polar) for polar in range(105, 14, -15)),
-    *((270, polar) for polar in range(15, 106, 15)),
-)
-"""Azimuth (clockwise from up) and angle from the view axis, in degrees, of lights #1 to #21.
-
-Outwards to the right, inwards over the top, outwards to the left: #6–9, #20 and #21 graze the
-object or stand behind it. (The paper's inset is lost; this is inferred from its text.)
-"""
+_NORMAL_ROUNDING = 1e-6  # of unit normals, which are in single precision
 
 _POOR_TO_GOOD = ((178, 24, 32), (240, 130, 70), (252, 240, 190), (110, 166, 208), (36, 66, 148))
 
@@ -66,7 +55,13 @@ class Flows(NamedTuple):
 
 
 def score(
-    shading: ArrayLike, depth: ArrayLike, mask: ArrayLike, *, reference: ArrayLike | None = None
+    shading: ArrayLike,
+    depth: ArrayLike,
+    mask: ArrayLike,
+    *,
+    reference: ArrayLike | None = None,
+    flow: ShapeFlow = "depth",
+    normals: ArrayLike | None = None,
 ) -> float:
     """Return the congruence of one shading with the shape: a number from 0 to 1.
 
@@ -82,12 +77,19 @@ def score(
         The plain Lambertian shading of the same view under a frontal light, in linear values: how
         marked its bands are is what counts as 1. Unless given, it is estimated from the depth
         (see `Judge`).
+    flow : {"depth", "slope"}
+        What the shape's flow is read from: the depth, as in the paper, or how the surface tilts.
+    normals : (h, w, 3) array_like of float, optional
+        Of the surface, for ``flow="slope"``: x to the right, y up or down, z along the line of
+        sight, of any length. Unless given, they are estimated from the depth, in the unit that the
+        reference is estimated in.
 
     Raises
     ------
     MeshdepictError
         For pictures of different sizes or too small for one window (37 × 37 pixels), an empty
-        mask, 8-bit values, and NaN or infinity inside the mask.
+        mask, 8-bit values, NaN or infinity inside the mask, another flow, normals of no length,
+        and normals that no flow reads.
 
     Notes
     -----
@@ -96,15 +98,28 @@ def score(
     shading (s). e_c is divided by its 99th percentile and cut at 1, e_s divided by that of the
     reference. Summed are the pixels whose window, 18 pixels to each side, holds nothing but object
     and no occluding contour. Without such pixels, or on a flat depth, the score is 0.
+
+    With ``flow="slope"`` c is a picture of two numbers, the slope g of the depth as g/√(1 + ‖g‖²):
+    x and y of the unit normal, whose tensors add up. v_c then points the way in which the surface
+    bends most, not that in which it leans, and e_c is large where it bends, not where it is steep;
+    a plane scores 0. Where it bends alike in all directions, as a smooth ball, v_c is x.
     """
-    return Judge(depth, mask, reference=reference).score(shading)
+    judge = Judge(depth, mask, reference=reference, flow=flow, normals=normals)
+    return judge.score(shading)
 
 
 def flows(
-    shading: ArrayLike, depth: ArrayLike, mask: ArrayLike, *, reference: ArrayLike | None = None
+    shading: ArrayLike,
+    depth: ArrayLike,
+    mask: ArrayLike,
+    *,
+    reference: ArrayLike | None = None,
+    flow: ShapeFlow = "depth",
+    normals: ArrayLike | None = None,
 ) -> Flows:
     """Return what the `score` is made of; parameters as there."""
-    return Judge(depth, mask, reference=reference).flows(shading)
+    judge = Judge(depth, mask, reference=reference, flow=flow, normals=normals)
+    return judge.flows(shading)
 
 
 class Judge:
@@ -112,7 +127,7 @@ class Judge:
 
     Parameters
     ----------
-    depth, mask, reference
+    depth, mask, reference, flow, normals
         As in `score`. An estimated reference is the frontal Lambertian shading of the depth itself.
         A depth image alone doesn't say how steep it is, so its unit is taken such that the root
         mean square slope is 0.8. Six views of scans of whole objects had 0.66 to 0.92, and the
@@ -127,18 +142,39 @@ class Judge:
     counted: Mask
 
     def __init__(
-        self, depth: ArrayLike, mask: ArrayLike, *, reference: ArrayLike | None = None
+        self,
+        depth: ArrayLike,
+        mask: ArrayLike,
+        *,
+        reference: ArrayLike | None = None,
+        flow: ShapeFlow = "depth",
+        normals: ArrayLike | None = None,
     ) -> None:
+        check_flow(flow)
+        if normals is not None and flow != "slope":
+            raise MeshdepictError(
+                f"flow={flow!r} reads no normals: leave them out, or choose flow='slope'"
+            )
         self._mask = checked_mask(mask, smallest=_WINDOW)
-        heights = _centred(checked_picture(depth, "depth", self._mask, color=False), self._mask)[0]
+        depths = checked_picture(depth, "depth", self._mask, color=False)
+        [heights], _ = _centred([depths], self._mask)
         across, down = (connected(heights, self._mask, axis) for axis in (1, 0))
         self.counted = whole_windows(self._mask, across, down, reach=_REACH)
         self._box = _surroundings(self.counted)
-        depth_flow = self._flow(heights)
-        self._direction = depth_flow.direction
-        self._energy = np.minimum(depth_flow.scaled(depth_flow.contrast), 1)
+        facing: Floats
+        if normals is not None:
+            facing = checked_normals(normals, self._mask)
+        elif flow == "slope" or reference is None:
+            facing = estimated_normals(heights, across, down, self.counted)
+        if flow == "slope":
+            rounding = _ROUNDING if normals is None else _NORMAL_ROUNDING
+            shape_flow = self._flow(facing[..., 0], facing[..., 1], rounding=rounding)
+        else:
+            shape_flow = self._flow(heights)
+        self._direction = shape_flow.direction
+        self._energy = np.minimum(shape_flow.scaled(shape_flow.contrast), 1)
         if reference is None:
-            frontal = _frontal_lambert(heights, across, down, self.counted)
+            frontal = np.abs(facing[..., 2])
         else:
             frontal = checked_picture(reference, "reference", self._mask)
         self._contrast = self._flow(frontal).contrast if self._energy.any() else 0.0
@@ -162,12 +198,16 @@ class Judge:
             self._mean(congruence),
         )
 
-    def _flow(self, image: Floats) -> _Flow:
-        """Return direction and energy of an image at the pixels that count."""
-        unit, amplitude = _centred(image[self._box], self._mask[self._box])
+    def _flow(self, *channels: Floats, rounding: float = _ROUNDING) -> _Flow:
+        """Return direction and energy of all channels of an image at the pixels that count."""
+        inside = self._mask[self._box]
+        images, amplitude = _centred([c[self._box] for c in channels], inside, rounding=rounding)
         inner = self.counted[self._box][_REACH:-_REACH, _REACH:-_REACH]
-        planes = structure_tensor(unit, gradient_width=_GRADIENT_WIDTH, width=_TENSOR_WIDTH)
-        tensor = StructureTensor(*(plane[inner].astype(np.float64) for plane in planes))
+        total = np.zeros((3, int(inner.sum())))
+        for image in images:
+            planes = structure_tensor(image, gradient_width=_GRADIENT_WIDTH, width=_TENSOR_WIDTH)
+            total += [plane[inner] for plane in planes]
+        tensor = StructureTensor(*total)
         return _Flow(tensor.direction, tensor.energy, amplitude)
 
     def _congruence(self, flow: _Flow) -> Floats:
@@ -209,18 +249,10 @@ class _Flow(NamedTuple):
         return self.energy * min(self.amplitude / contrast, 1e15) ** 2  # finite whatever comes
 
 
-def light_directions(view: View | None = None) -> list[Light]:
-    """Return the 21 lights of LLA's comparison, #1 first, in the frame of a view.
-
-    Parameters
-    ----------
-    view : View, optional
-        The front (x right, y up, z to the eye) unless given.
-    """
-    return [
-        replace(as_light((azimuth, 90 - polar), view), name=f"#{i}")
-        for i, (azimuth, polar) in enumerate(LIGHTS, start=1)
-    ]
+def check_flow(flow: str) -> None:
+    """Refuse what the shape's flow can't be read from."""
+    if flow not in get_args(ShapeFlow):
+        raise MeshdepictError(f"flow={flow!r} is none of {', '.join(get_args(ShapeFlow))}")
 
 
 def picture(flows: Flows) -> NDArray[np.uint8]:
@@ -244,17 +276,23 @@ def picture(flows: Flows) -> NDArray[np.uint8]:
     return image
 
 
-def _centred(image: Floats, mask: Mask) -> tuple[Floats, float]:
-    """Return the image in [−1, 1] over the mask, 0 elsewhere, and half its range.
+def _centred(
+    channels: Sequence[Floats], mask: Mask, *, rounding: float = _ROUNDING
+) -> tuple[list[Floats], float]:
+    """Return the channels of an image in [−1, 1] over the mask, 0 elsewhere, and half their range.
 
-    Both are 0 for an image that is constant but for rounding, which has no flow to be found.
+    All are 0 for an image that is constant but for rounding, which has no flow to be found.
     """
-    low = float(np.min(image, where=mask, initial=np.inf))
-    high = float(np.max(image, where=mask, initial=-np.inf))
-    amplitude = high / 2 - low / 2  # so that it can't overflow
-    if not amplitude > _ROUNDING * max(abs(low), abs(high)):
-        return np.zeros_like(image), 0.0
-    return np.where(mask, (image - (low / 2 + high / 2)) / amplitude, 0.0), amplitude
+    lows = [float(np.min(image, where=mask, initial=np.inf)) for image in channels]
+    highs = [float(np.max(image, where=mask, initial=-np.inf)) for image in channels]
+    # Halves, so that nothing can overflow.
+    amplitude = max(high / 2 - low / 2 for low, high in zip(lows, highs, strict=True))
+    if not amplitude > rounding * max(map(abs, lows + highs)):
+        return [np.zeros_like(image) for image in channels], 0.0
+    return [
+        np.where(mask, (image - (low / 2 + high / 2)) / amplitude, 0.0)
+        for image, low, high in zip(channels, lows, highs, strict=True)
+    ], amplitude
 
 
 def _surroundings(counted: Mask) -> tuple[slice, slice]:
@@ -264,13 +302,3 @@ def _surroundings(counted: Mask) -> tuple[slice, slice]:
     ends = (np.flatnonzero(counted.any(axis=axis))[[0, -1]] for axis in (1, 0))
     rows, columns = (slice(int(a) - _REACH, int(b) + _REACH + 1) for a, b in ends)
     return rows, columns
-
-
-def _frontal_lambert(depth: Floats, across: Mask, down: Mask, counted: Mask) -> Floats:
-    """Shade a depth image by a frontal light, in a unit that gives it the usual slope."""
-    x, y = mean_slopes(depth, across, down)
-    squared = np.square(x) + np.square(y)
-    mean = float(squared[counted].mean()) if counted.any() else 0.0
-    if not mean:
-        return np.zeros_like(depth)
-    return 1 / np.sqrt(1 + squared * (_USUAL_SLOPE**2 / mean))

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from meshdepict.errors import MeshdepictError
 
-__all__ = ["checked_mask", "checked_picture"]
+__all__ = ["checked_mask", "checked_normals", "checked_picture"]
 
 _LUMINANCE = np.array((0.2126, 0.7152, 0.0722))  # of linear RGB (IEC 61966-2-1)
 _NUMBERS = "buif"  # kinds of NumPy's types
@@ -86,6 +86,33 @@ def checked_picture(
             "take such pixels out of the mask"
         )
     return np.where(mask, numbers, 0.0)
+
+
+def checked_normals(values: ArrayLike, mask: NDArray[np.bool_]) -> NDArray[np.float64]:
+    """Return unit normals (h, w, 3), zero beyond the mask.
+
+    Raises
+    ------
+    MeshdepictError
+        For another shape than the mask's, NaN, infinity and normals of no length inside the mask.
+    """
+    image = np.asarray(values)
+    if image.dtype.kind not in _NUMBERS or image.shape != (*mask.shape, 3):
+        raise MeshdepictError(
+            f"the normals must be a picture of {_size(mask)} pixels with three numbers each, as "
+            f"the mask is, not {image.dtype} of shape {image.shape}"
+        )
+    normals = np.where(mask[..., None], image, 0).astype(np.float64, copy=False)
+    with np.errstate(over="ignore"):
+        length = np.linalg.norm(normals, axis=2, keepdims=True)
+    broken = mask & ~(np.isfinite(length[..., 0]) & (length[..., 0] > 0))
+    if broken.any():
+        row, column = np.argwhere(broken)[0]
+        raise MeshdepictError(
+            f"the normals have no direction inside the mask, first at row {row}, column {column}; "
+            "take such pixels out of the mask"
+        )
+    return np.divide(normals, length, out=np.zeros_like(normals), where=length > 0)
 
 
 def _size(image: NDArray[Any]) -> str:

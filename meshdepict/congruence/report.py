@@ -184,6 +184,7 @@ def _cells(texts: Iterable[str], kind: str = "td") -> str:
 def _facts(found: Comparison) -> dict[str, str]:
     """Return what it takes to make the comparison again."""
     settings = {name: value for name, value in found.settings.items() if value is not None}
+    scoring: dict[str, Any] = {name: settings.pop(name) for name in ("scored", "flow")}
     height, width = found.pictures.shape[2:4]
     return {
         "version": VERSION,
@@ -194,6 +195,7 @@ def _facts(found: Comparison) -> dict[str, str]:
             if options
         },
         "scale space": options_text(settings),
+        "scores": options_text(scoring),
         "lights": "; ".join(map(str, found.lights)),
         "view": str(found.view),
         "picture": f"{width} x {height} pixels",

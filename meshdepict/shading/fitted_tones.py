@@ -19,11 +19,15 @@ from meshdepict.scales.space import ScaleSpace
 from meshdepict.shading.bands import SINGULAR_LIGHT, band_weights
 
 __all__ = [
+    "BROAD_CONFORMITY",
     "CONFORMITY",
+    "CONFORMITY_OF_PLANES",
     "SATURATED",
     "STEEPEST",
     "FittedTones",
+    "broad_bands",
     "fitted_tones",
+    "flatness",
     "relief_tones",
     "tone_moments",
 ]
@@ -47,8 +51,23 @@ Chosen so that in pictures, where only lights in front of the object count, broa
 0.6 and more on nine scans, with four fifths of the local contrast that one exaggeration of 15 had.
 """
 
+CONFORMITY_OF_PLANES = 0.963
+"""The same on shapes of planes, each of which has one tone: nothing there outweighs its haloes."""
+
+BROAD_CONFORMITY = 0.975
+"""The same of the broad tone alone: bands wider than a twentieth of the diagonal, and base coat.
+
+Meshes of few vertices have many such bands, none of which shows as detail.
+"""
+
+_BROAD = 0.05  # widths beyond which a band is part of the broad tone, in diagonals
+# A plane is flat at the finest scale; a smooth surface bends with the square of the width, at the
+# coarsest of nine scales 256 times as much.
+_FLAT = 500
+_BENT = 0.1  # sine that is a bend; less is no halo
+_SHARES = 0.05, 0.2  # of samples on planes: no shape of planes, and one; scans have 0.003
 _BASES = np.geomspace(8.0, 64.0, 61)  # times the paper's base coat; below 8 planes stay mid-grey
-_CLIPPED = 0.01  # share of the samples that contrast may take to black and white
+_CLIPPED, _CLIPPED_PLANES = 0.01, 0.05  # share of samples that contrast may take to black and white
 _MOST_CONTRAST = 2.0
 _SAMPLES = 8_000  # that are looked at; spread evenly over more
 _AZIMUTHS, _HEIGHTS = 8, 2  # lights round every sample; those from below give the negative
@@ -106,10 +125,16 @@ def _fit(space: ScaleSpace, emphasis: float) -> FittedTones:
     weights = band_weights(space.widths, space.ratio, emphasis=emphasis, contrast=1.0)
     if not normals.shape[1]:
         return FittedTones(steep, float(_BASES[0]), 1.0)
+    flat = flatness(normals)
     detail, coat, lambert = tone_moments(normals, steep, weights)
-    base = _rounded(_base(detail, coat, lambert))
+    least = _base(detail, coat, lambert, CONFORMITY + flat * (CONFORMITY_OF_PLANES - CONFORMITY))
+    broad = broad_bands(space)
+    if broad.start < len(steep):
+        moments = tone_moments(normals[broad], steep[broad], weights[broad])
+        least = max(least, _base(*moments, BROAD_CONFORMITY))
+    base = _rounded(least)
     sums = np.abs(detail + np.float32(base) * coat) / (weights[:-1].sum() + base * weights[-1])
-    high = float(np.quantile(sums, 1 - _CLIPPED))
+    high = float(np.quantile(sums, 1 - _CLIPPED - flat * (_CLIPPED_PLANES - _CLIPPED)))
     return FittedTones(steep, base, _rounded(min(max(1 / max(high, 1e-9), 1.0), _MOST_CONTRAST)))
 
 
@@ -200,8 +225,25 @@ def tone_moments(
     return detail, coat, lambert
 
 
-def _base(detail: Single, coat: Single, lambert: Single) -> float:
-    """Return the least base coat whose result correlates with Lambert by `CONFORMITY`."""
+def broad_bands(space: ScaleSpace) -> slice:
+    """Return the scales from the first that is wider than a twentieth of the diagonal."""
+    wide = space.widths > _BROAD * space.shape.diagonal
+    return slice(int(np.argmax(wide)) if wide.any() else len(wide), None)
+
+
+def flatness(normals: Single) -> float:
+    """Return from 0 to 1 how far a shape, given by the normals of its scales, is one of planes.
+
+    A sample lies on a plane if it doesn't bend at the finest scale, but does at the coarsest, into
+    which what is beyond the plane's edge enters.
+    """
+    bends = _sines(normals[0], normals[-1])
+    plane = (bends > _BENT) & (_FLAT * _sines(normals[0], normals[1]) < bends)
+    return float(np.interp(np.mean(plane), _SHARES, (0, 1)))
+
+
+def _base(detail: Single, coat: Single, lambert: Single, conformity: float) -> float:
+    """Return the least base coat whose result correlates with Lambert by so much."""
 
     def mean(a: Single, b: Single) -> float:
         return float(np.mean(a * b, dtype=np.float64))
@@ -209,12 +251,12 @@ def _base(detail: Single, coat: Single, lambert: Single) -> float:
     variance = mean(detail, detail) + 2 * _BASES * mean(detail, coat) + _BASES**2 * mean(coat, coat)
     shared = mean(detail, lambert) + _BASES * mean(coat, lambert)
     found = shared / np.sqrt(np.maximum(variance * mean(lambert, lambert), 1e-30))
-    if found[0] >= CONFORMITY:
+    if found[0] >= conformity:
         return float(_BASES[0])
-    if found.max() < CONFORMITY:
+    if found.max() < conformity:
         return float(_BASES[np.argmax(found)])
-    after = int(np.argmax(found >= CONFORMITY))  # the first; between it and the one before
-    share = (CONFORMITY - found[after - 1]) / (found[after] - found[after - 1])
+    after = int(np.argmax(found >= conformity))  # the first; between it and the one before
+    share = (conformity - found[after - 1]) / (found[after] - found[after - 1])
     return float(_BASES[after - 1] + share * (_BASES[after] - _BASES[after - 1]))
 
 

@@ -132,6 +132,26 @@ def test_values_of_all_methods_can_be_scored_alike(ball, found):
     assert (display[0] != found.scores[0]).all()
 
 
+@pytest.mark.parametrize("per_pixel", [False, True])
+def test_the_flow_of_the_slope_is_that_of_the_original_normals(ball, per_pixel):
+    found = compare(
+        ball, ["lambert"], lights=["east"], size=SIZE, scales=0, flow="slope", per_pixel=per_pixel
+    )
+    assert found.settings["flow"] == "slope"
+    buffer = GBuffer.of(ball, "front", size=SIZE)
+    space = scale_space(buffer if per_pixel else ball, scales=0)
+
+    def shaded(light):
+        values = md.shading.lambert(space, light)
+        return buffer.image(values if per_pixel else buffer.sample(values))
+
+    expected = congruence.score(
+        shaded("east"), buffer.depth, buffer.mask, reference=shaded("front"), flow="slope",
+        normals=buffer.image(buffer.normals),
+    )  # fmt: skip
+    assert found.scores[0, 0] == pytest.approx(expected, abs=1e-5)
+
+
 def test_options_reach_their_methods(ball, found):
     more = compare(
         ball, ("lambert", "exaggerated"), lights=["front", "east"], size=SIZE, scales=2,
@@ -148,6 +168,7 @@ def test_options_reach_their_methods(ball, found):
         ({"methods": ()}, "at least one method"),
         ({"lights": ()}, "at least one light"),
         ({"scored": "seen"}, "scored='seen' is none of declared, linear, display"),
+        ({"flow": "tilt"}, "flow='tilt' is none of depth, slope"),
         ({"methods": ("lamber",)}, "did you mean 'lambert'"),
         ({"options": {"toon": {}}}, "options for 'toon', which isn't compared"),
         ({"options": {"lambert": {"wrong": 1}}}, "lambert has no option 'wrong'"),
@@ -188,6 +209,7 @@ def test_the_sheet_has_a_cell_for_every_picture(found, tmp_path):
     path = comparison_report.save_sheet(found, tmp_path / "sheet.png")
     with Image.open(path) as image:
         assert "exaggerated" in image.text["meshdepict comparison"]
+        assert image.text["meshdepict scores"] == "scored=declared flow=depth"
 
 
 def test_many_lights_wrap_to_a_readable_width(found):
@@ -252,6 +274,19 @@ def test_the_command_writes_what_it_is_asked_for(run, small):
     assert "ball-compare.png, s.csv, s.html: mean congruence, 1 light" in out[1]
     assert all(Path(name).exists() for name in ("ball-compare.png", "s.csv", "s.html"))
     assert run(*small, "--csv", "s.csv", "--html", "s.html")[0] == 0  # its own files again
+
+
+def test_the_command_scores_what_it_is_told_to(run, small):
+    means = {}
+    for flow in ("depth", "slope"):
+        status, out, _ = run(*small, "--flow", flow, "--scored", "display", "--html", "s.html")
+        assert status == 0
+        means[flow] = out[0]
+        assert f"<dt>scores</dt><dd>scored=display flow={flow}</dd>" in Path("s.html").read_text()
+    assert means["depth"] != means["slope"]
+    status, _, err = run(*small, "--flow", "tilt")
+    assert status == 2
+    assert "tilt" in err[-1]
 
 
 @pytest.mark.parametrize(

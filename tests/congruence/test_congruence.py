@@ -1,5 +1,6 @@
 """The congruence score: against its formula written out, and on scenes whose score is known."""
 
+import itertools
 import math
 
 import numpy as np
@@ -140,6 +141,122 @@ def test_ridges_across_ridges_score_nothing():
     )
 
 
+# --- the flow of the slope ------------------------------------------------------------------------
+
+
+def normals_of(depth, steepness=1.0):
+    gy, gx = np.gradient(depth * steepness)
+    return np.stack([-gx, -gy, np.ones_like(depth)], axis=-1)
+
+
+@pytest.mark.parametrize("steep", [0, 0.2, 3])
+def test_a_plane_leans_but_does_not_bend(steep):
+    y, x = np.mgrid[:90, :90].astype(float)
+    depth = steep * (0.8 * x + 0.6 * y) + 7
+    mask, shading = np.ones(x.shape, bool), np.sin(x / 4)
+    normals = normals_of(depth).astype(np.float32)
+    for given in (None, normals):
+        found = congruence.flows(shading, depth, mask, flow="slope", reference=x, normals=given)
+        assert found.score == 0
+        assert not found.shape_energy.any()
+    assert congruence.score(9 * shading, depth, mask, reference=x) > 0.5 or not steep
+
+
+def test_a_leaning_ridge_bends_across_and_leans_along():
+    """z = sin(x) + y leans along y as much as x; its slope varies along x alone."""
+    y, x = np.mgrid[:100, :110].astype(float)
+    depth = np.sin(x / 5) + 0.6 * y
+    mask = np.ones(x.shape, bool)
+    for given in (None, normals_of(depth)):
+        found = congruence.flows(x, depth, mask, flow="slope", reference=x, normals=given)
+        along = np.abs(found.shape_direction[found.counted])
+        np.testing.assert_allclose(along, np.broadcast_to((1, 0), along.shape), atol=1e-5)
+    leaning = congruence.flows(x, depth, mask, reference=x).shape_direction[found.counted]
+    assert np.abs(leaning[:, 1]).min() > 0.9
+
+
+def test_a_leaning_pipe_bends_around_its_axis():
+    """The unit normal of a cylinder turns about its axis: it varies across the axis alone."""
+    y, x = np.mgrid[-60:61, -80:81].astype(float)
+    turn = math.radians(25)
+    across = math.cos(turn) * x + math.sin(turn) * y
+    mask = np.abs(across) < 45
+    height = np.sqrt(np.maximum(50.0**2 - across**2, 1))
+    normals = np.stack([math.cos(turn) * across, math.sin(turn) * across, height], axis=-1)
+    depth = height + 0.7 * (math.cos(turn) * y - math.sin(turn) * x)  # cut aslant, along its axis
+    found = congruence.flows(across, depth, mask, flow="slope", reference=across, normals=normals)
+    directions = found.shape_direction[found.counted]
+    assert np.abs(directions @ (math.cos(turn), math.sin(turn))).min() > 1 - 1e-5
+    assert found.score == pytest.approx(1, abs=1e-4)  # n·l of a light across the axis is `across`
+
+
+def test_the_tensors_of_the_slope_are_those_of_its_two_numbers_added(scene):
+    depth, mask, shading = scene
+    normals = normals_of(depth)
+    normals /= np.linalg.norm(normals, axis=2, keepdims=True)
+    found = congruence.flows(shading, depth, mask, flow="slope", normals=normals)
+    parts = [structure_tensor(normals[..., channel]) for channel in (0, 1)]
+    inner = found.counted[REACH:-REACH, REACH:-REACH]
+    tensors = sum(
+        np.stack([[p.xx, p.xy], [p.xy, p.yy]]).astype(float)[..., inner] for p in parts
+    ).transpose(2, 0, 1)
+    energy = np.trace(tensors, axis1=1, axis2=2)
+    expected = np.minimum(energy / np.percentile(energy, 99), 1)
+    np.testing.assert_allclose(found.shape_energy[found.counted], expected, atol=1e-4)
+    along = np.linalg.eigh(tensors)[1][:, :, 1]
+    match = np.abs(np.sum(along * found.shape_direction[found.counted], axis=1))
+    assert np.quantile(match, 0.01) > 0.999
+
+
+def test_estimated_normals_are_right_for_the_usual_slope(scene):
+    depth, mask, shading = scene
+    counted = congruence.Judge(depth, mask).counted
+    gy, gx = np.gradient(depth)
+    usual = 0.8 / math.sqrt(np.mean((gx**2 + gy**2)[counted]))
+    given = normals_of(depth, usual)
+    expected = congruence.flows(shading, depth, mask, flow="slope", normals=given)
+    for k in (1, -1e-5, 1e4):  # whatever the unit and the sign
+        found = congruence.flows(shading, k * depth + 3, mask, flow="slope")
+        np.testing.assert_allclose(found.shape_energy, expected.shape_energy, atol=1e-4)
+        assert found.score == pytest.approx(expected.score, abs=1e-4)
+
+
+def test_signs_and_lengths_of_normals_do_not_matter(scene, rng):
+    depth, mask, shading = scene
+    normals = normals_of(depth)
+    expected = congruence.score(shading, depth, mask, flow="slope", normals=normals)
+    longer = normals * rng.uniform(0.1, 9, mask.shape)[..., None]
+    beyond = np.where(mask[..., None], normals, np.nan)
+    for other in (longer, normals * (1, -1, 1), -normals, beyond, 1e-30 * normals):
+        found = congruence.score(shading, depth, mask, flow="slope", normals=other)
+        assert found == pytest.approx(expected, abs=1e-5)
+
+
+@pytest.mark.parametrize(
+    ("given", "sentence"),
+    [
+        ({"flow": "tilt"}, "flow='tilt' is none of depth, slope"),
+        ({"normals": np.ones((110, 124, 3))}, "flow='depth' reads no normals: leave them out"),
+        (
+            {"flow": "slope", "normals": np.ones((110, 124))},
+            "normals must be a picture of 124x110 pixels with three numbers each",
+        ),
+        ({"flow": "slope", "normals": np.ones((110, 123, 3))}, "normals must be a picture of"),
+        ({"flow": "slope", "normals": np.full((110, 124, 3), "x")}, "normals must be a picture of"),
+        ({"flow": "slope", "normals": np.zeros((110, 124, 3))}, "no direction .* row 3, column 50"),
+        ({"flow": "slope", "normals": np.full((110, 124, 3), np.inf)}, "have no direction"),
+    ],
+)
+def test_a_flow_that_cannot_be_read_is_told_in_one_sentence(scene, given, sentence):
+    depth, mask, shading = scene
+    for function in (congruence.score, congruence.flows):
+        with pytest.raises(MeshdepictError, match=sentence):
+            function(shading, depth, mask, **given)
+
+
+# --- what scores nothing --------------------------------------------------------------------------
+
+
 @pytest.mark.parametrize("level", [0, 1, 0.1, -1e300])
 def test_a_constant_shading_shows_nothing(scene, level):
     depth, mask, _ = scene
@@ -177,22 +294,25 @@ def test_units_and_offsets_do_not_matter(scene):
         assert found == pytest.approx(expected, abs=1e-5)
 
 
-def test_the_scene_may_be_mirrored_and_turned(scene):
-    expected = congruence.score(scene[2], scene[0], scene[1])
+@pytest.mark.parametrize("flow", ["depth", "slope"])
+def test_the_scene_may_be_mirrored_and_turned(scene, flow):
+    expected = congruence.score(scene[2], scene[0], scene[1], flow=flow)
     for move in (np.flipud, np.fliplr, np.rot90, np.transpose):
         depth, mask, shading = map(move, scene)
-        assert congruence.score(shading, depth, mask) == pytest.approx(expected, abs=1e-5)
+        found = congruence.score(shading, depth, mask, flow=flow)
+        assert found == pytest.approx(expected, abs=1e-5)
 
 
-def test_nothing_beyond_the_object_matters(scene, rng):
+@pytest.mark.parametrize("flow", ["depth", "slope"])
+def test_nothing_beyond_the_object_matters(scene, rng, flow):
     depth, mask, shading = scene
     reference = lambert(depth, (0, 0, 1))
     for given in (None, reference):
-        expected = congruence.flows(shading, depth, mask, reference=given)
+        expected = congruence.flows(shading, depth, mask, reference=given, flow=flow)
         for beyond in (np.nan, np.inf, -1e308, rng.normal(size=depth.shape)):
             elsewhere = [np.where(mask, image, beyond) for image in (shading, depth, reference)]
             found = congruence.flows(
-                *elsewhere[:2], mask, reference=None if given is None else elsewhere[2]
+                *elsewhere[:2], mask, reference=None if given is None else elsewhere[2], flow=flow
             )
             for part, other in zip(found, expected, strict=True):
                 np.testing.assert_array_equal(part, other)
@@ -244,9 +364,9 @@ def test_every_finite_input_gives_a_finite_score(rng):
         1 + np.finfo(float).eps * rng.integers(0, 2, (40, 45)),
     ]
     mask = np.ones((40, 45), bool)
-    for depth in images:
+    for depth, flow in itertools.product(images, ("depth", "slope")):
         for reference in [None, *images]:
-            judge = congruence.Judge(depth, mask, reference=reference)
+            judge = congruence.Judge(depth, mask, reference=reference, flow=flow)
             for shading in images:
                 parts = judge.flows(shading)
                 assert 0 <= parts.score <= 1
