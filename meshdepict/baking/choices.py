@@ -265,11 +265,13 @@ class Choices:
         return self.up or ("z" if kind in (VOLUME, HEIGHTS) else "y")
 
     def _on_map(self, kind: str) -> Self:
-        """Return these choices with the map as the view of terrain that nobody turned."""
-        usual = isinstance(self.view, str) and self.view in ("front", AUTO)
-        if kind == HEIGHTS and usual and self.up in (None, AUTO):
-            return self.replace(view="top", up="z")
-        return self
+        """Return these choices of terrain with z up, and the map as the view that nobody turned."""
+        if kind != HEIGHTS:
+            return self
+        sight, free = self.view, self.up in (None, AUTO)
+        usual = isinstance(sight, str) and (sight == AUTO or (sight == "front" and free))
+        up = "z" if free else self.up
+        return self.replace(view="top" if usual else sight, up=up)
 
     def posed(self, shape: Any) -> Self:
         """Return these choices with what suits a shape where up and view are "auto"."""

@@ -160,3 +160,10 @@ def test_a_bake_of_terrain_sees_the_map():
     assert baked.view.towards_eye.tolist() == [0, 0, 1]
     assert baked.view.up.tolist() == [0, 1, 0]
     assert md.bake(HeightField(Z[::-1]), "lambert", view="front", up="z").view.towards_eye[1] == -1
+
+
+@pytest.mark.parametrize("up", [None, "auto", "z"])
+@pytest.mark.parametrize(("view", "towards"), [("isometric", 0.577), ("auto", 1), ("top", 1)])
+def test_terrain_stands_on_its_ground_in_every_view(up, view, towards):
+    baked = md.bake(HeightField(Z), "lambert", view=view, up=up)
+    assert baked.view.towards_eye[2] == pytest.approx(towards, abs=1e-3)
