@@ -11,13 +11,12 @@ from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from meshdepict.errors import MeshdepictError, MeshdepictWarning
 from meshdepict.files.any_numbers import any_numbers
 from meshdepict.files.limits import as_text, check_claim, max_memory
 from meshdepict.files.reach import regular
 from meshdepict.heights.cells import Transform
+from meshdepict.io.doubtful_heights import doubts
 from meshdepict.io.height_formats import open_source
 from meshdepict.io.height_source import Cells, HeightSource
 from meshdepict.io.height_units import chosen_unit
@@ -34,8 +33,6 @@ _VERBS = (
     "is", "has", "holds", "lacks", "says", "names", "counts", "claims", "places", "resamples",
     "declares", "takes", "needs",
 )  # fmt: skip
-_LOOK = 256  # rows and columns from the middle that are looked at
-_STEEP = 20.0  # metres of height in a metre: no terrain, but degrees that nobody called so
 
 
 class Terrain:
@@ -95,11 +92,15 @@ class Terrain:
         self.unit = self._source.unit
         self.attributes: dict[str, Any] = dict(self._source.attributes) | {"source": self._name}
         try:
-            with _named(self._name):
-                self._check_place(sources)
+            with _named(self._name), any_numbers():
+                notes = [note for source in sources for note in source.notes]
+                notes += doubts(self._source)
         except BaseException:
             self.close()
             raise
+        if notes:
+            text = "; ".join(dict.fromkeys(notes))
+            warnings.warn(f"{self._name}: {text}", MeshdepictWarning, stacklevel=2)
 
     @property
     def shape(self) -> tuple[int, int]:
@@ -178,70 +179,6 @@ class Terrain:
     def __repr__(self) -> str:
         """Return the size and the file."""
         return f"<Terrain: {self.rows} x {self.cols} cells of {self._name}>"
-
-    def _check_place(self, sources: Sequence[HeightSource]) -> None:
-        notes = [note for source in sources for note in source.notes]
-        if self.degrees:
-            low, high = _latitudes(self)
-            if not (low >= -90 and high <= 90):
-                raise MeshdepictError(
-                    f"has latitudes from {low:g} to {high:g} by its reference system, which is in "
-                    "degrees: state the system that its coordinates are in (gdal_edit -a_srs)"
-                )
-            notes.append("its degrees are scaled by latitude, row by row")
-        elif not self.crs and self._source.is_placed:
-            self._refuse_hidden_degrees()
-            notes.append("it has no coordinate reference system: its cells count as metres")
-        if notes:
-            text = "; ".join(dict.fromkeys(notes))
-            warnings.warn(f"{self._name}: {text}", MeshdepictWarning, stacklevel=3)
-
-    def _refuse_hidden_degrees(self) -> None:
-        """Refuse a grid whose heights make sense in degrees only.
-
-        Within 360 x 180 degrees there is also a tablet under a scanner. But where steps of a
-        thousandth are degrees, neighbours differ by metres.
-        """
-        x, y = _corners(self)
-        fits = min(x) >= -360 and max(x) <= 360 and min(y) >= -91 and max(y) <= 91
-        step = float(np.sqrt(abs(np.linalg.det(_linear(self)))))
-        if not fits or step > 1:
-            return
-        spans = [slice((n - min(n, _LOOK)) // 2, (n + min(n, _LOOK)) // 2) for n in self.shape]
-        z, valid = self._source.read(*spans)
-        steps = [
-            np.abs(np.diff(z, axis=axis))[_pairs(valid, axis)].astype(np.float64) for axis in (0, 1)
-        ]
-        found = np.concatenate(steps)
-        if len(found) and found.mean() > _STEEP * step:
-            raise MeshdepictError(
-                "has no coordinate reference system, and its coordinates look like degrees: state "
-                "the system first (gdal_edit -a_srs EPSG:4326, or a .prj beside the file)"
-            )
-
-
-def _pairs(valid: Any, axis: int) -> Any:
-    return valid[1:] & valid[:-1] if axis == 0 else valid[:, 1:] & valid[:, :-1]
-
-
-def _linear(terrain: Terrain) -> Any:
-    a, b, _, d, e, _ = terrain.transform
-    return np.array([[a, b], [d, e]])
-
-
-def _corners(terrain: Terrain) -> tuple[list[float], list[float]]:
-    """Return x and y of the four corners."""
-    a, b, c, d, e, f = terrain.transform
-    ends = [(col, row) for col in (0, terrain.cols) for row in (0, terrain.rows)]
-    return [a * i + b * j + c for i, j in ends], [d * i + e * j + f for i, j in ends]
-
-
-def _latitudes(terrain: Terrain) -> tuple[float, float]:
-    """Return the smallest and the largest latitude of a cell's centre."""
-    _, _, _, d, e, f = terrain.transform
-    rows, cols = terrain.shape
-    centres = [d * (i + 0.5) + e * (j + 0.5) + f for i in (0, cols - 1) for j in (0, rows - 1)]
-    return min(centres), max(centres)
 
 
 def _span(given: slice | None, count: int, name: str) -> slice:

@@ -293,6 +293,28 @@ def test_cells_that_are_no_numbers_have_no_height(tmp_path, odd):
     assert field.z[4, 4] == 0
 
 
+@pytest.mark.parametrize("nothing", [-9999, -32768])
+def test_a_number_that_may_mean_no_height_is_said_where_no_one_declares_it(tmp_path, nothing):
+    z = hills(300, 300).astype(np.int16)
+    z[:, -3:] = nothing
+    path = geotiff(tmp_path / "a.tif", z)
+    with pytest.warns(
+        MeshdepictWarning, match=f"{nothing} counts as a height: .* -a_nodata"
+    ) as told:
+        assert read_heightfield(path).valid.all()
+    assert len(told) == 1
+    assert not read(geotiff(tmp_path / "b.tif", z, nodata=nothing)).valid[:, -3:].any()
+
+
+@pytest.mark.parametrize("kind", ["u1", "i2", "u2", "i4", "f4", "f8"])
+@pytest.mark.parametrize("nodata", [0, 77, 255])
+def test_what_has_no_height_is_what_gdal_masks(tmp_path, rng, kind, nodata):
+    z = rng.integers(0, 256, (40, 30)).astype(kind)
+    path = geotiff(tmp_path / "a.tif", z, nodata=nodata)
+    with rasterio.open(path) as dataset:
+        np.testing.assert_array_equal(read(path).valid, dataset.read_masks(1) > 0)
+
+
 def test_a_terrain_of_no_data_alone_is_refused(tmp_path):
     path = geotiff(tmp_path / "a.tif", np.full((3, 4), -9999, np.float32), nodata=-9999)
     with pytest.raises(MeshdepictError, match=r"a\.tif holds no heights: all of its cells"):

@@ -106,7 +106,7 @@ def test_a_window_of_no_data_is_read_and_is_no_height_field(tmp_path, big):
 
 
 def test_windows_that_memory_does_not_hold_are_refused(tmp_path, big):
-    with Terrain(geotiff(tmp_path / "a.tif", big)) as terrain:
+    with Terrain(geotiff(tmp_path / "a.tif", big, nodata=-9999)) as terrain:
         limits.set_max_memory(50_000)
         try:
             with pytest.raises(MeshdepictError, match=r"19,650 cells, .* more than the 48.8 kB"):
