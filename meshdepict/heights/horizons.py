@@ -7,7 +7,7 @@ once with the rows that lie a step further.
 from __future__ import annotations
 
 import math
-from typing import Any, Literal, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,13 +16,11 @@ from meshdepict.errors import MeshdepictError
 from meshdepict.options import nearest
 from meshdepict.threads import each, kernel, spans, thread_count
 
-__all__ = ["HORIZONS", "Horizon", "horizon_reach", "horizons", "open_angles", "sky_shares"]
+__all__ = ["HORIZONS", "horizon_reach", "horizons", "open_angles", "sky_shares"]
 
 Singles = NDArray[np.float32]
 Floats = NDArray[np.float64]
-Horizon = Literal["lines", "cells"]
-
-HORIZONS: tuple[Horizon, ...] = ("lines", "cells")
+HORIZONS = ("lines", "cells")
 
 _FINER = 3  # places a cell at which the toolbox looks which cell a ray is in
 _ABYSS = -1e30  # stands where there is no height: never a horizon, and told by its slope
@@ -52,7 +50,7 @@ def sky_shares(
     *,
     directions: int = 16,
     radius: float = 10.0,
-    horizon: Horizon = "lines",
+    horizon: str = "lines",
 ) -> Singles:
     """Return the sky-view factor 1 − mean sin max(γ, 0), γ the horizon's height (Zakšek 2011).
 
@@ -91,7 +89,7 @@ def open_angles(
     *,
     directions: int = 16,
     radius: float = 10.0,
-    horizon: Horizon = "lines",
+    horizon: str = "lines",
     negative: bool = False,
 ) -> Singles:
     """Return the openness mean(90° − γ) in degrees, γ with its sign (Yokoyama et al. 2002).
@@ -121,7 +119,7 @@ def horizons(
     *,
     directions: int = 16,
     radius: float = 10.0,
-    horizon: Horizon = "lines",
+    horizon: str = "lines",
 ) -> Singles:
     """Return tan γ of every ray, (directions, rows, cols); −1000 where it meets no height."""
     out = np.full((directions, *z.shape), -1000, np.float32)
@@ -136,13 +134,12 @@ def horizon_reach(radius: float) -> int:
 
 def _looked(
     look: Any, z: NDArray[Any], valid: NDArray[np.bool_] | None, steps: Floats,
-    directions: int, radius: float, horizon: Horizon, sign: float, out: Singles,
+    directions: int, radius: float, horizon: str, sign: float, out: Singles,
 ) -> None:  # fmt: skip
     """Run a kernel over all rows, heights and slopes in single precision."""
     if horizon not in HORIZONS:
         raise MeshdepictError(
-            f"horizon={horizon!r} is not one of {', '.join(HORIZONS)}"
-            f"{nearest(str(horizon), HORIZONS)}"
+            f"horizon={horizon!r} is not one of {', '.join(HORIZONS)}{nearest(horizon, HORIZONS)}"
         )
     rays_of = _cell_rays if horizon == "cells" else _line_rays
     same = rays_of(steps, directions, radius) if len(steps) == 1 else None

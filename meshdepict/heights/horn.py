@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from meshdepict.threads import each, kernel, spans, thread_count
 
-__all__ = ["MARK_AZIMUTHS", "MARK_ELEVATION", "horn_slopes", "mark_relief", "relief"]
+__all__ = ["MARK_AZIMUTHS", "MARK_ELEVATION", "horn_slopes", "mark_relief", "mark_shades", "relief"]
 
 Singles = NDArray[np.float32]
 Floats = NDArray[np.float64]
@@ -98,6 +98,21 @@ def mark_relief(
     height = math.radians(elevation)
     _swept(_marks, z, valid, steps, np.array([math.cos(height), math.sin(height), 0]), out)
     return out[0]
+
+
+def mark_shades(normals: NDArray[Any], elevation: float = MARK_ELEVATION) -> Singles:
+    """Return the shade of normals (n, 3) in the map's frame under the lights of `mark_relief`."""
+    east, north, up = normals.astype(np.float32).T
+    squared = np.maximum(east * east + north * north, np.float32(1e-30))
+    height = math.radians(elevation)
+    shades = np.zeros(len(normals), np.float32)
+    for azimuth in MARK_AZIMUTHS:
+        turn = math.radians(azimuth)
+        along = east * np.float32(math.sin(turn)) + north * np.float32(math.cos(turn))
+        cosine = up * np.float32(math.sin(height)) + along * np.float32(math.cos(height))
+        shades += np.maximum(cosine, 0) * (1 - along * along / squared) / 2
+    level = squared <= np.float32(1e-30)
+    return np.where(level, np.maximum(up * np.float32(math.sin(height)), 0), shades)
 
 
 def _swept(

@@ -22,7 +22,7 @@ Floats = NDArray[np.float64]
 # By how much the integral of 1/‖x‖ exceeds its sum over a square lattice without the origin, in
 # edges of its cells over 2π. A hexagonal lattice of the same area has 0.624.
 _OWN = 0.621
-_NEAR = 4.0  # edges of a cell: who says how a point's own area is bent
+_NEAR = 2.5  # edges of a cell: who says how a point's own area is bent
 
 
 def exact_shares(points: Floats, normals: NDArray[Any], areas: Floats, radius: float) -> Floats:
@@ -46,9 +46,12 @@ def ball_shares(
 ) -> Floats:
     """Return the share of balls that lies below the surface, for several radii.
 
-    ``½ + (1/4πr³) Σ_{‖d‖<r} A_j (d·n_j)(1 − r³/‖d‖³)``, d = x_j − x_i. What the sum leaves out is
-    the point's own area, over which the integrand is not bounded. It is added: −κρ/4, κ being the
-    mean of 2 d·n/‖d‖² over the nearest, weighted by A/‖d‖, and ρ about the area's radius.
+    ``½ + (1/4πr³) Σ_{‖d‖<r} A_j (d·n_j)(1 − r³/‖d‖³)``, d = x_j − x_i, and two things that a sum
+    over samples needs. Of the nearest, whose normals are means over what bends at the point itself,
+    d·n_j is ½ d·(n_j − n_i): the same on any smooth surface, and of the right sign in a scratch as
+    wide as a sample. And the point's own area is added, over which the integrand is not bounded:
+    −κρ/4, κ being the mean of 2 d·n/‖d‖² over the nearest, weighted by A/‖d‖, and ρ about the
+    area's radius.
 
     Parameters
     ----------
@@ -104,6 +107,7 @@ def _shares(xyz, normals, areas, cells, starts, shape, radii, found, begin, end)
                 number += 1
         for i in range(starts[cell], starts[cell + 1]):
             x, y, z = xyz[i, 0], xyz[i, 1], xyz[i, 2]
+            p, q, s = normals[i, 0], normals[i, 1], normals[i, 2]
             plain[:], sharp[:] = 0, 0
             bends = weight = 0.0
             near = _NEAR * _NEAR * areas[i]
@@ -114,7 +118,13 @@ def _shares(xyz, normals, areas, cells, starts, shape, radii, found, begin, end)
                     if square >= most or square == 0.0:
                         continue
                     inverse = 1 / math.sqrt(square)
-                    term = areas[j] * (dx * normals[j, 0] + dy * normals[j, 1] + dz * normals[j, 2])
+                    along = dx * normals[j, 0] + dy * normals[j, 1] + dz * normals[j, 2]
+                    if (
+                        square < near
+                        and p * normals[j, 0] + q * normals[j, 1] + s * normals[j, 2] > 0
+                    ):
+                        along = 0.5 * (along - (dx * p + dy * q + dz * s))
+                    term = areas[j] * along
                     cube = term * inverse * inverse * inverse
                     k = 0
                     while square >= squares[k]:
