@@ -40,6 +40,9 @@ MESH, VOLUME, HEIGHTS, IMAGE = "mesh", "volume", "height field", "image"
 _FACES = (MESH, IMAGE)  # what has triangles, or shows some
 _SURFACES = (*_FACES, HEIGHTS)
 
+_ON_TERRAIN = {"one_light": True, "sky": "overhead"}
+"""Options that methods take of terrain unless told otherwise."""
+
 AUTO = "auto"
 """Of up and view: what suits the shape."""
 
@@ -396,9 +399,10 @@ class Choices:
             follows["transfer"] = "bone"
         if kind == "image" and "curvature" in options_of(self.function):
             follows["curvature"] = self.options.get("curvature", "view")  # as its paper has it
-        if kind == HEIGHTS and "one_light" in options_of(self.function):
-            given = self.options.get("one_light")
-            follows["one_light"] = True if given is None else given
+        if kind == HEIGHTS:
+            known = options_of(self.function).keys() & _ON_TERRAIN.keys()
+            unsaid = {name for name in known if self.options.get(name) is None}
+            follows.update({name: _ON_TERRAIN[name] for name in unsaid})
         return self.replace(**follows)
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -13,6 +13,7 @@ from meshdepict.scales.space import ScaleSpace
 
 if TYPE_CHECKING:
     from meshdepict.curvature.principal import PrincipalCurvatures
+    from meshdepict.shapes.height_field import HeightField
     from meshdepict.shapes.mesh import Mesh
 
 __all__ = ["ChosenSamples"]
@@ -47,6 +48,24 @@ class ChosenSamples(ScaleSpace):
     def vertical(self) -> NDArray[np.float64]:
         """What is up of the whole."""
         return self._whole.vertical
+
+    @property
+    def relief_normals(self) -> NDArray[np.float32]:
+        """(k, 3) those of the samples in the whole."""
+        return self._whole.relief_normals[self._chosen]
+
+    @property
+    def zenith(self) -> NDArray[np.float64]:
+        """(k, 3) those of the samples in the whole."""
+        return self._whole.zenith[self._chosen]
+
+    def ball_shares(self, radii: Sequence[float]) -> NDArray[np.float64]:
+        """Return those of the samples in the whole."""
+        return self._whole.ball_shares(radii)[:, self._chosen]
+
+    def from_heights(self, find: Callable[[HeightField], NDArray[Any]]) -> NDArray[Any]:
+        """Return what the whole finds, at the samples."""
+        return self._whole.from_heights(find)[self._chosen]
 
     def of_vertices(self, values: NDArray[Any]) -> NDArray[Any]:
         """Return the values of those vertices that are there."""

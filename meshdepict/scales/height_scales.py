@@ -8,6 +8,7 @@ neighbour along an axis knows no gradient, and weighs nothing either.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable
 from typing import TYPE_CHECKING, Any
 
@@ -15,6 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshdepict.heights.gradients import gradients
+from meshdepict.heights.horizons import open_angles, sky_shares
+from meshdepict.heights.horn import horn_slopes, mark_relief, relief
 from meshdepict.heights.normals import upward_normals
 from meshdepict.heights.smoothing import blurred
 from meshdepict.heights.spread_cells import typical_cells
@@ -66,6 +69,64 @@ class HeightSpace(ScaleSpace):
         field = self.shape
         columns, rows = field.size
         return ChosenSamples(self, field.sample(typical_cells(rows, columns)))
+
+    @property
+    def zenith(self) -> NDArray[np.float64]:
+        """Up."""
+        return np.broadcast_to(self.vertical, self.points.shape)
+
+    @property
+    def unit_areas(self) -> NDArray[np.float64]:
+        """(n,) areas of the ground in the cells."""
+        field = self.shape
+        cells = np.abs(np.linalg.det(field.steps / (field.diagonal or 1.0)))
+        level = field.sample(np.broadcast_to(cells[:, None], field.z.shape))
+        found: NDArray[np.float64] = level / self.planes_at(0)[2]
+        return found
+
+    @property
+    def relief_normals(self) -> Single:
+        """(n, 3) normals to Horn's slopes."""
+        east, north = (self.shape.sample(slope) for slope in horn_slopes(*self._ground))
+        down = 1 / np.sqrt(1 + east * east + north * north)
+        return np.stack([-east * down, -north * down, down], axis=1)
+
+    def relief(self, light: NDArray[np.float64]) -> Single:
+        """Return the cosines (n,) between these normals and a light."""
+        return np.asarray(self.shape.sample(relief(*self._ground, light)))
+
+    def grazing_relief(self, frame: NDArray[np.float64], elevation: float) -> Single:
+        """Return the shade (n,) under Mark's four lights, from compass directions of the map."""
+        return np.asarray(self.shape.sample(mark_relief(*self._ground, elevation)))
+
+    def sky_shares(self, *, rays: int, radius: float, horizon: str) -> Single:
+        """Return the share (n,) of the sky that horizons leave; see `ReliefSamples`."""
+        found = sky_shares(*self._ground, **self._round(rays, radius), horizon=horizon)
+        return np.asarray(self.shape.sample(found))
+
+    def open_angles(self, *, rays: int, radius: float, horizon: str, negative: bool) -> Single:
+        """Return the openness (n,) in degrees, of horizons; see `ReliefSamples`."""
+        found = open_angles(
+            *self._ground, **self._round(rays, radius), horizon=horizon, negative=negative
+        )
+        return np.asarray(self.shape.sample(found))
+
+    def from_heights(self, find: Callable[[HeightField], NDArray[Any]]) -> NDArray[Any]:
+        """Return at the samples what is found of the field's heights."""
+        return self.shape.sample(find(self.shape))
+
+    @property
+    def _ground(self) -> tuple[NDArray[Any], NDArray[np.bool_] | None, NDArray[np.float64]]:
+        """Heights, which are known if not all are, and steps."""
+        field = self.shape
+        return field.z, None if field.whole else field.valid, field.steps
+
+    def _round(self, rays: int, radius: float) -> dict[str, Any]:
+        """Return directions and radius of horizons that stand for so many rays."""
+        return {
+            "directions": max(3, round(math.sqrt(rays))),
+            "radius": min(radius, float(max(self.shape.size))),
+        }
 
     def of_vertices(self, values: NDArray[Any]) -> NDArray[Any]:
         """Return the values as they are: the ground's vertices are the samples."""

@@ -34,6 +34,8 @@ Step = Callable[[int, Singles], Singles]
 
 FILTERS = ("bilateral", "diffusion", "none")
 
+_STEEPEST = 0.1  # cosine to the eye of a pixel whose area is told by it
+
 # |Δ ln depth| between neighbouring pixels at which a silhouette begins, and at which it is one.
 _SILHOUETTE = (0.03, 0.04)
 
@@ -70,6 +72,17 @@ class ImageSpace(ScaleSpace):
                 "image, use another method, or shade a mesh"
             )
         return self.shape.mesh
+
+    @property
+    def unit_areas(self) -> Floats:
+        """(n,) areas of the surface in the pixels, of those at contours ten pixels'."""
+        from meshdepict.curvature.view import eye_frames
+
+        (_, _, z), _ = eye_frames(self.points, self.shape.view)
+        cosine = (z * self.normals_at(0)).sum(axis=1)
+        sizes = self.shape.pixel_sizes / (self.shape.diagonal or 1.0)
+        found: Floats = sizes**2 / np.maximum(cosine, _STEEPEST)
+        return found
 
     def of_vertices(self, values: NDArray[Any]) -> NDArray[Any]:
         """Interpolate values of the vertices of the mesh that is seen."""

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from meshdepict.errors import MeshdepictError
 from meshdepict.scales.ladder import Progress
 from meshdepict.scales.normal_sets import Fill
 from meshdepict.scales.patches import patch_sums
@@ -71,6 +72,20 @@ class MeshSpace(ScaleSpace):
         found = np.zeros(3)
         found[axis] = np.copysign(1.0, mean[axis])
         return found
+
+    @property
+    def zenith(self) -> NDArray[np.float64]:
+        """(n, 3) up of a sheet; the normals of a mesh that is none."""
+        try:
+            up = self.vertical
+        except MeshdepictError:
+            return super().zenith
+        return np.broadcast_to(up, self.points.shape)
+
+    @property
+    def unit_areas(self) -> NDArray[np.float64]:
+        """(n,) mixed Voronoi areas in squared diagonals."""
+        return self.shape.unit_areas
 
     def mean(self, values: NDArray[Any], width: float) -> NDArray[np.float64]:
         """Return ``Σ_j A_j G(x_i − x_j) c_j / Σ_j A_j G(x_i − x_j)``, A mixed Voronoi areas.

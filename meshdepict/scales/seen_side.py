@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -14,6 +14,7 @@ from meshdepict.scales.space import ScaleSpace
 
 if TYPE_CHECKING:
     from meshdepict.scene.view import View
+    from meshdepict.shapes.height_field import HeightField
     from meshdepict.shapes.mesh import Mesh
 
 __all__ = ["SeenSide", "towards_eye"]
@@ -84,6 +85,26 @@ class SeenSide(ScaleSpace):
     def vertical(self) -> NDArray[np.float64]:
         """What level ground faces."""
         return self.source.vertical
+
+    @property
+    def relief_normals(self) -> NDArray[np.float32]:
+        """(n, 3) the source's, turned to the eye as the others are."""
+        normals = self.source.relief_normals
+        return np.where(self.turned[:, None], -normals, normals)
+
+    @property
+    def unit_areas(self) -> Floats:
+        """As the source has them."""
+        return self.source.unit_areas
+
+    def ball_shares(self, radii: Sequence[float]) -> Floats:
+        """Return what lies on the other side of the surface than the eye."""
+        shares = self.source.ball_shares(radii)
+        return np.where(self.turned, 1 - shares, shares)
+
+    def from_heights(self, find: Callable[[HeightField], NDArray[Any]]) -> NDArray[Any]:
+        """Return what the source finds."""
+        return self.source.from_heights(find)
 
     def mean(self, values: NDArray[Any], width: float) -> Floats:
         """Return values averaged over the samples around; see `ScaleSpace.mean`."""

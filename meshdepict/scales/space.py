@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from meshdepict.errors import MeshdepictError
 from meshdepict.scales.ladder import FACING, TOLERANCE
-from meshdepict.scales.normal_sets import NormalSets
+from meshdepict.scales.relief_samples import ReliefSamples
 from meshdepict.shapes.table import html_table
 
 if TYPE_CHECKING:
@@ -20,13 +20,12 @@ if TYPE_CHECKING:
     from meshdepict.curvature.view import ViewCurvature
     from meshdepict.scene.shape import Shape
     from meshdepict.scene.view import View
-    from meshdepict.shapes.mesh import Mesh
     from meshdepict.transport.occlusion import Openness
 
 __all__ = ["ScaleSpace"]
 
 
-class ScaleSpace(NormalSets):
+class ScaleSpace(ReliefSamples):
     """Positions and unit normals of samples at every scale, from fine to coarse.
 
     Made by `scale_space`. Shading functions take it and ask for nothing else. Each kind of shape
@@ -154,25 +153,6 @@ class ScaleSpace(NormalSets):
         return self
 
     # --- what depends on the kind of shape --------------------------------------------------
-
-    @property
-    def unit_points(self) -> NDArray[np.float64]:
-        """(n, 3) positions moved to the shape's centre, in diagonals of the shape."""
-        return self.shape.recentred(self.points)
-
-    @property
-    def surface(self) -> Mesh:
-        """The surface that rays from the samples can meet.
-
-        Raises
-        ------
-        MeshdepictError
-            Where the shape is none.
-        """
-        raise MeshdepictError(
-            f"rays need a surface to meet, and a {self.shape.kind} is none: use another method, or "
-            "shade a mesh"
-        )
 
     @property
     def vertical(self) -> NDArray[np.float64]:

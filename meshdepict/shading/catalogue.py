@@ -19,4 +19,14 @@ from meshdepict.shading.unsharp_masking import unsharp_masking as unsharp_maskin
 from meshdepict.shading.accessibility import accessibility as accessibility
 from meshdepict.shading.ambient_occlusion import ambient_occlusion as ambient_occlusion
 from meshdepict.shading.sky_view import sky_view as sky_view
+from meshdepict.shading.hillshade import hillshade as hillshade
+from meshdepict.shading.multidirectional_hillshade import (
+    multidirectional_hillshade as multidirectional_hillshade,
+)
+from meshdepict.shading.openness import positive_openness as positive_openness
+from meshdepict.shading.openness import negative_openness as negative_openness
+from meshdepict.shading.texture_shading import texture_shading as texture_shading
+from meshdepict.shading.topographic_position import topographic_position as topographic_position
+from meshdepict.shading.local_dominance import local_dominance as local_dominance
+from meshdepict.shading.integral_invariant import integral_invariant as integral_invariant
 from meshdepict.shading.view_curvature import view_curvature as view_curvature

@@ -37,6 +37,8 @@ NEEDS = {
     "curvature": "how the surface bends",
     "rays": "how open every sample is: rays from it, or an image's own occlusion",
     "surface": "triangles for rays to meet: no image, no volume",
+    "areas": "parts of a surface: no volume",
+    "heights": "heights on a raster: terrain, no mesh",
 }
 """What a method may need beside normals and a light, with its default options."""
 

@@ -20,7 +20,7 @@ from meshdepict.threads import each, spans
 if TYPE_CHECKING:
     from meshdepict.shapes.mesh import Mesh
 
-__all__ = ["MOST_RAYS", "Openness", "ambient_openness", "sky_openness"]
+__all__ = ["MOST_RAYS", "Openness", "ambient_openness", "sky_openness", "zenith_angles"]
 
 Floats = NDArray[np.float64]
 At = tuple[NDArray[Any], NDArray[Any]]
@@ -101,25 +101,31 @@ def sky_openness(
     at: At | None = None,
     spread: float = 90.0,
     rays: int = 256,
+    even: bool = False,
+    radius: float | None = None,
     done: Callable[[int], None] | None = None,
 ) -> Openness:
     """Return the share of the light of a cap of sky that reaches every point.
 
     ∫ max(0, n·ω) V(ω) dω over the directions within ``spread`` of ``towards``, relative to what an
-    open surface that faces the cap's middle gets.
+    open surface that faces the cap's middle gets; ``even``, the share of the cap that is seen.
 
     Parameters
     ----------
     mesh : Mesh
         What rays can meet.
-    towards : (3,) array
-        Unit vector to the middle of the sky.
+    towards : (3,) or (n, 3) array
+        Unit vectors to the middle of the sky.
     at : two (n, 3) arrays, optional
         World positions and unit normals; the mesh's vertices unless given.
     spread : float
         Half the cap's opening in degrees, up to 90.
     rays : int
         Per point, 2 … 65536, evenly over the cap.
+    even : bool
+        Whether directions weigh the same, whatever their angle to the surface.
+    radius : float, optional
+        Farther away nothing hides the sky; in world units.
     done : callable, optional
         Called with the number of a finished batch.
 
@@ -136,7 +142,55 @@ def sky_openness(
 
     points, normals = _places(mesh, at)
     axes = np.broadcast_to(towards, normals.shape)
-    return _traced(mesh, (points, normals), count, height, axes, weigh=True, done=done)
+    return _traced(
+        mesh, (points, normals), count, height, axes,
+        weigh=not even, reach=_reach(mesh, radius), done=done,
+    )  # fmt: skip
+
+
+def zenith_angles(
+    mesh: Mesh,
+    towards: NDArray[Any],
+    *,
+    at: At,
+    rays: int = 256,
+    radius: float | None = None,
+    done: Callable[[int], None] | None = None,
+) -> NDArray[np.float32]:
+    """Return how far from the zenith the sky is seen, on average round about: openness, in degrees.
+
+    Rays leave evenly over azimuths and zenith angles from 0 to 180°; the share of those that get
+    away, times 180°, is mean(90° − γ) with γ the horizon's elevation where nothing overhangs.
+
+    Parameters
+    ----------
+    mesh, at, rays, radius, done
+        As for `sky_openness`.
+    towards : (3,) or (n, 3) array
+        Unit vectors to the zenith.
+
+    Returns
+    -------
+    (n,) array of float32
+        90 on a plane.
+    """
+    count = _checked(rays)
+
+    def height(share: Floats) -> Floats:
+        return np.cos(np.pi * share)
+
+    points, normals = _places(mesh, at)
+    axes = np.broadcast_to(towards, normals.shape)
+    found = _traced(
+        mesh, (points, normals), count, height, axes,
+        weigh=False, reach=_reach(mesh, radius), done=done,
+    )  # fmt: skip
+    return found.values * np.float32(180)
+
+
+def _reach(mesh: Mesh, radius: float | None) -> float | None:
+    """Return a radius in the mesh's unit frame."""
+    return None if radius is None else radius / (mesh.diagonal or 1.0)
 
 
 def _places(mesh: Mesh, at: At | None) -> tuple[Floats, Floats]:
@@ -161,6 +215,7 @@ def _traced(
     axes: Floats,
     *,
     weigh: bool,
+    reach: float | None = None,
     done: Callable[[int], None] | None,
 ) -> Openness:
     """Trace rays round each point's axis; weigh them by the cosine to its normal where asked to.
@@ -191,15 +246,17 @@ def _traced(
             directions[..., axis] = local[0] * x + local[1] * y + local[2] * z
         starts = (points[here] + _OFFSET * normals[here]).astype(np.float32)
         origins = np.repeat(starts, rays, axis=0)
+        far = {} if reach is None else {"dists": np.full(len(origins), reach, np.float32)}
         if not weigh:
-            hit = scene.run(origins, directions.reshape(-1, 3), query="OCCLUDED")
+            hit = scene.run(origins, directions.reshape(-1, 3), query="OCCLUDED", **far)
             light = (hit < 0).reshape(up.shape)
         else:
             light = np.einsum("ij,ikj->ik", normals[here].astype(np.float32), directions)
             lit = np.flatnonzero(light > 0)
             if len(lit):
                 rays_lit = origins[lit], directions.reshape(-1, 3)[lit]
-                light.flat[lit[scene.run(*rays_lit, query="OCCLUDED") >= 0]] = 0
+                few = {name: limit[: len(lit)] for name, limit in far.items()}
+                light.flat[lit[scene.run(*rays_lit, query="OCCLUDED", **few) >= 0]] = 0
             light = np.maximum(light, 0)
         # Every other ray first: in double precision the two sums stay what they always were.
         sums = light[:, ::2].sum(axis=1).astype(float) + light[:, 1::2].sum(axis=1)

@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
+from method_families import ON_MESHES
 
 import meshdepict as md
 from meshdepict.baking.choices import Choices
@@ -26,7 +27,7 @@ from meshdepict.scales.image_scales import ImageSpace
 from meshdepict.scales.making import scale_space
 from meshdepict.scales.mesh_scales import MeshSpace
 from meshdepict.scales.space import ScaleSpace
-from meshdepict.shading import METHODS, warped_occlusion
+from meshdepict.shading import METHODS, declaration, warped_occlusion
 from meshdepict.transport import occlusion
 
 KINDS = ("mesh", "volume", "image")
@@ -94,6 +95,9 @@ COMPUTED: list[tuple[str, dict[str, Any], Row]] = [
     ("unsharp_masking", {"amount": 0}, NOTHING),
     ("ambient_occlusion", {"rays": 4}, Row(rays=1)),
     ("sky_view", {"rays": 4}, Row(rays=1)),
+    ("sky_view", {"rays": 4, "sky": "overhead"}, Row(rays=1)),
+    ("positive_openness", {"rays": 4}, Row(rays=1)),
+    ("negative_openness", {"rays": 4}, Row(rays=1)),
     ("light_warping", {"illumination": "occlusion", "rays": 4}, BENT._replace(rays=1)),
     (
         "light_warping",
@@ -105,7 +109,7 @@ COMPUTED: list[tuple[str, dict[str, Any], Row]] = [
     ("view_curvature", {"scale": 0}, Row(curvature=(1, 1, 0), seen=1)),
 ]
 # Who is not among them needs the shape's own normals alone.
-COMPUTED += [(name, {}, NOTHING) for name in METHODS if name not in {row[0] for row in COMPUTED}]
+COMPUTED += [(name, {}, NOTHING) for name in ON_MESHES if name not in {row[0] for row in COMPUTED}]
 
 every_row = pytest.mark.parametrize(
     ("kind", "method", "options", "row"),
@@ -113,8 +117,9 @@ every_row = pytest.mark.parametrize(
         pytest.param(kind, *case, id=f"{kind}-{case[0]}-{case[1]}")
         for case in COMPUTED
         for kind in KINDS
-        # Rays need triangles, and facing is about meshes.
-        if kind == "mesh" or not (case[2].rays or "facing" in case[1])
+        # Rays need triangles, areas a surface, and facing is about meshes.
+        if (kind == "mesh" or not (case[2].rays or "facing" in case[1]))
+        and (kind != "volume" or "areas" not in declaration(METHODS[case[0]]).needs)
     ],
 )
 
@@ -159,7 +164,8 @@ def counts(monkeypatch: pytest.MonkeyPatch) -> collections.Counter[str]:
     count(image, "sobel_hessian", "seen")
     for space in (MeshSpace, GridSpace, ImageSpace):
         count(space, "mean", "means")
-    count(occlusion, "ambient_openness", "rays")
+    for trace in ("ambient_openness", "sky_openness", "zenith_angles"):
+        count(occlusion, trace, "rays")
     count(importlib.import_module("meshdepict.shading.sky_view"), "sky_openness", "rays")
     count(warped_occlusion, "warped_openness", "rays")
     return found

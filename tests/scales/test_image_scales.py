@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from conftest import angle_between, rotation
+from method_families import ON_MESHES
 
 from meshdepict import scale_space
 from meshdepict.errors import MeshdepictError
@@ -15,7 +16,7 @@ from meshdepict.shading import METHODS, declaration
 from meshdepict.shapes import samples
 from meshdepict.shapes.gbuffer import GBuffer
 
-every_method = pytest.mark.parametrize("method", METHODS)
+every_method = pytest.mark.parametrize("method", ON_MESHES)
 SIZE = (64, 48)
 
 

@@ -5,6 +5,7 @@ import inspect
 import numpy as np
 import pytest
 from conftest import DATA, rotation, tetrahedron
+from method_families import ON_MESHES, ON_RASTERS
 
 from meshdepict import scale_space, shading
 from meshdepict.errors import MeshdepictError
@@ -18,6 +19,7 @@ from meshdepict.shapes import samples
 from meshdepict.shapes.mesh import Mesh
 
 every_method = pytest.mark.parametrize("method", METHODS)
+on_meshes = pytest.mark.parametrize("method", ON_MESHES)
 
 GREY_LEVEL = 1 / 255
 FRONT = np.eye(3)
@@ -104,7 +106,7 @@ def test_every_parameter_and_the_result_are_documented_once(method):
 # --- what is declared is so ---------------------------------------------------------------------
 
 
-@every_method
+@on_meshes
 def test_what_a_method_does_not_declare_it_does_not_ask_for(method, monkeypatch):
     asked = set()
 
@@ -121,14 +123,15 @@ def test_what_a_method_does_not_declare_it_does_not_ask_for(method, monkeypatch)
     watch("view_curvature", "curvature")
     watch("occlusion", "rays")
     watch("surface", "rays")
+    watch("unit_areas", "areas")
     shade(method, scale_space(small(), scales=3), **few_rays(method, 2))
     needs = declaration(METHODS[method]).needs
     assert needs <= set(NEEDS)
-    assert asked == needs & {"curvature", "rays"}
+    assert asked == needs & {"curvature", "rays", "areas"}
     assert ("view" in needs) == ("view" in inspect.signature(METHODS[method]).parameters)
 
 
-@every_method
+@on_meshes
 def test_a_method_takes_as_many_lights_as_it_declares(method, space):
     lights = declaration(METHODS[method]).lights
     two = [Light((1, 0, 1)), Light((-1, 1, 1))]
@@ -161,7 +164,7 @@ def assert_proper(values, count):
     assert values.max() <= 1
 
 
-@every_method
+@on_meshes
 @pytest.mark.parametrize(
     "light", ["front", "southeast", (1, 0, 0), (0, -1, 0), (0, 0, -1), (30, 0)]
 )
@@ -169,7 +172,7 @@ def test_values_are_finite_and_between_0_and_1(method, light, space):
     assert_proper(shade(method, space, light), len(space.points))
 
 
-@every_method
+@on_meshes
 def test_exposure_multiplies_before_the_last_clip(method, space):
     plain = shade(method, space, exposure=1)
     assert not shade(method, space, exposure=0).any()
@@ -180,7 +183,7 @@ def test_exposure_multiplies_before_the_last_clip(method, space):
     )
 
 
-@every_method
+@on_meshes
 def test_nothing_that_comes_in_is_changed(method):
     vertices, faces = tetrahedron()
     light, attribute = np.array([-1.0, 2.0, 3.0]), np.arange(4.0)
@@ -193,7 +196,7 @@ def test_nothing_that_comes_in_is_changed(method):
         np.testing.assert_array_equal(array, old)
 
 
-@every_method
+@on_meshes
 def test_the_same_call_gives_the_same_bits(method, space):
     np.testing.assert_array_equal(shade(method, space), shade(method, space))
 
@@ -210,7 +213,7 @@ def tolerance(method):
     return 5 * 0.5 / 64**0.5 if is_sampled(method) else GREY_LEVEL
 
 
-@every_method
+@on_meshes
 def test_turning_mesh_light_and_view_together_changes_nothing(method, rng):
     ball, turn = small(), rotation(rng)
     light = np.array([-1.0, 1.0, 1.0])
@@ -220,7 +223,7 @@ def test_turning_mesh_light_and_view_together_changes_nothing(method, rng):
     np.testing.assert_allclose(found, plain, atol=tolerance(method))
 
 
-@every_method
+@on_meshes
 def test_permuting_vertices_permutes_colours(method, rng):
     ball = small()
     order = rng.permutation(len(ball.vertices))
@@ -230,7 +233,7 @@ def test_permuting_vertices_permutes_colours(method, rng):
     np.testing.assert_allclose(found, plain[order], atol=tolerance(method))
 
 
-@every_method
+@on_meshes
 @pytest.mark.parametrize("factor", [1e-140, 1e140])
 def test_units_do_not_matter(method, factor):
     ball = small()
@@ -240,7 +243,7 @@ def test_units_do_not_matter(method, factor):
     np.testing.assert_allclose(found, plain, atol=tolerance(method))
 
 
-@every_method
+@on_meshes
 def test_a_light_may_be_given_in_any_form(method, space):
     direction = (-1, 1, 1)
     plain = shade(method, space, "northwest")
@@ -269,7 +272,7 @@ ODD = {
 }
 
 
-@every_method
+@on_meshes
 @pytest.mark.parametrize("name", ODD)
 def test_odd_shapes_get_finite_colours(method, name):
     mesh = Mesh(*ODD[name], winding="keep")
@@ -301,7 +304,7 @@ def scan(data, scans, name):
     return scans[name]
 
 
-@every_method
+@on_meshes
 @every_scan
 @pytest.mark.filterwarnings("ignore::meshdepict.errors.MeshdepictWarning")
 def test_scans_get_finite_colours(scan, method):
@@ -352,3 +355,9 @@ def test_only_a_scale_space_can_be_shaded(method):
         MeshdepictError, match=f"{method} shades a ScaleSpace, not a Mesh: make one"
     ):
         METHODS[method](samples.sphere(12), "front")
+
+
+@pytest.mark.parametrize("method", ON_RASTERS)
+def test_what_is_about_rasters_of_heights_refuses_a_mesh(method, space):
+    with pytest.raises(MeshdepictError, match="heights on a raster are needed, and a mesh has"):
+        shade(method, space)

@@ -1,10 +1,10 @@
 import numpy as np
 import pytest
+from method_families import ON_MESHES
 
 from meshdepict import bake
 from meshdepict.baking.surfaces import scale_space
 from meshdepict.errors import MeshdepictError
-from meshdepict.shading import METHODS
 from meshdepict.viewer import session as session_module
 from meshdepict.viewer.controls import controls
 from meshdepict.viewer.session import Session
@@ -116,7 +116,7 @@ def test_a_refused_change_changes_nothing(session, change, sentence):
     np.testing.assert_array_equal(session.colors, before)
 
 
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("method", ON_MESHES)
 def test_every_option_has_a_control_that_starts_within_its_range(method, session):
     session.use(method)
     for control in controls(method):
