@@ -18,7 +18,8 @@ from meshdepict.color import colormaps2d
 from meshdepict.errors import MeshdepictError
 from meshdepict.files.limits import max_memory
 from meshdepict.heights.spread_cells import typical_places
-from meshdepict.scales.gathered import GatheredSamples, Part
+from meshdepict.scales.chosen_samples import ChosenSamples
+from meshdepict.scales.gathered import GatheredSamples
 from meshdepict.scales.height_scales import HeightSpace, height_space
 from meshdepict.scales.ladder import Progress, check_ladder, ladder
 from meshdepict.scene.names import Lighting, as_light
@@ -116,11 +117,10 @@ class Relief:
         self._light = look.lighting(self.eye, HEIGHTS)
         self.look = look
         self.cut = self._cut(look)
-        parts = self._typical() if look.following else []
         typical = GatheredSamples(
-            self.extent, parts, self._widths, self._ratio, tolerance=look.tolerance
+            self.extent, self._typical, self._widths, self._ratio, tolerance=look.tolerance
         )
-        self.look = look.settled(typical if parts else None)
+        self.look = look.settled(typical)
         self.provenance = describe(self.look, typical, light=self._light)
         if look.z_factor != 1:
             self.provenance["z factor"] = f"{look.z_factor:g}"
@@ -246,16 +246,17 @@ class Relief:
 
     def _cut(self, look: Choices) -> Cut:
         reads = look.reads(self._scales)
-        averages = bool(reads.means) and not reads.rays  # which look no further than their widths
-        reach = 0.0 if look.declared.local or averages else np.inf
+        around = reads.around
+        if around is None:
+            averages = bool(reads.means) and not reads.rays  # which look as far as their widths
+            around = 0.0 if look.declared.local or averages else np.inf
         return cut_for(
             self.extent, self._widths, reads,
-            tolerance=look.tolerance, reach=reach, memory=self._memory,
+            tolerance=look.tolerance, around=around, memory=self._memory,
         )  # fmt: skip
 
-    def _typical(self) -> list[Part]:
-        """Return the samples that numbers are fitted to, those of `HeightSpace.typical`."""
-        found = []
+    def _typical(self) -> Iterator[ChosenSamples]:
+        """Yield the samples that numbers are fitted to, those of `HeightSpace.typical`."""
         rows, columns = self.extent.size[::-1]
         for down, across in typical_places(rows, columns):
             for window, cells in self._pieces(down, across):
@@ -266,10 +267,7 @@ class Relief:
                 chosen[window.inner] = cells
                 chosen &= field.valid
                 if chosen.any():
-                    some = field.sample(chosen)
-                    space = self._space(field)
-                    found.append((space.points[some], space.planes[:, :, some]))
-        return found
+                    yield ChosenSamples(self._space(field), np.flatnonzero(field.sample(chosen)))
 
     def _pieces(self, down: slice, across: slice) -> Iterator[tuple[Window, Any]]:
         """Yield windows that hold some cells, with which of their own cells these are."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from typing import NamedTuple
 
@@ -87,7 +88,7 @@ def cut_for(
     reads: Reads,
     *,
     tolerance: float,
-    reach: float,
+    around: float,
     memory: float,
 ) -> Cut:
     """Return the windows for what a method reads of a raster.
@@ -99,8 +100,8 @@ def cut_for(
         In metres.
     reads : Reads
     tolerance : float
-    reach : float
-        Metres around a cell that the method looks at beside; infinite for all of the raster.
+    around : float
+        Cells around one that the method looks at beside; infinite for all of the raster.
     memory : float
         Bytes that a window may take.
 
@@ -113,7 +114,7 @@ def cut_for(
     bytes_each = 12 * (len(reads.sets) + 1) + 56 * len(reads.curvature | reads.seen) + 140
     if rows * columns * bytes_each <= min(memory, _USUAL):
         return Cut(rows, columns, max(rows, columns), 0, 0, 1)
-    if not np.isfinite(reach):
+    if not around < max(rows, columns):
         needed = rows * columns * bytes_each
         if needed > memory:
             raise MeshdepictError(
@@ -126,35 +127,34 @@ def cut_for(
     width = float(max((widths[scale] for scale in reads.sets | reads.means), default=0.0))
     narrow, down = place.widest, place.spacing[1]
     along = float(np.linalg.norm(place.steps[..., 0], axis=1).min())
-    beside = reach / min(along, down)
-    around = [2 + int(np.ceil(beside))] * 2
+    beside = [2 + math.ceil(around * place.edge_length / step) for step in (down, along)]
     align = 1
     if width > 0:
-        around[0] += halo(width / down, tolerance)
-        around[1] += halo(width / along, tolerance, width / narrow)
+        beside[0] += halo(width / down, tolerance)
+        beside[1] += halo(width / along, tolerance, width / narrow)
         align = max(alignment(width / down), alignment(width / narrow))
     unit = max(align, _TILE)
 
     def taken(side: int) -> float:
         high, wide = (
-            min(side + 2 * a + align, n) for a, n in zip(around, (rows, columns), strict=True)
+            min(side + 2 * a + align, n) for a, n in zip(beside, (rows, columns), strict=True)
         )
         return float(high) * wide * bytes_each
 
     side = unit
     while taken(2 * side) <= min(memory, _USUAL) or (
-        side < 2 * max(around) and taken(2 * side) <= memory
+        side < 2 * max(beside) and taken(2 * side) <= memory
     ):
         side *= 2
     while taken(side) > memory and side > align:
         side = max(side // 2, align)
     if taken(side) > memory:
         raise MeshdepictError(
-            f"a window of {side:,} cells with the {max(around):,} around it that widths of "
+            f"a window of {side:,} cells with the {max(beside):,} around it that widths of "
             f"{width:.4g} m look at takes {as_text(taken(side))} of memory, and {as_text(memory)} "
             "are allowed: allow more with --max-memory, or take smaller widths"
         )
-    return Cut(rows, columns, side, around[0], around[1], align)
+    return Cut(rows, columns, side, beside[0], beside[1], align)
 
 
 def _wider(span: slice, around: int, align: int, count: int) -> slice:

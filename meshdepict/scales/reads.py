@@ -26,6 +26,9 @@ class Reads:
         The scales over whose width it averages values.
     rays : int
         How many rays go from each sample.
+    around : float, optional
+        How far round a sample it looks beside, in steps of the shape: cells, edge lengths. None:
+        nobody said, so at all of the shape where rays go or samples don't stand for themselves.
     """
 
     normals: Scales = _NONE
@@ -33,6 +36,7 @@ class Reads:
     seen: Scales = _NONE
     means: Scales = _NONE
     rays: int = 0
+    around: float | None = None
 
     @property
     def sets(self) -> Scales:
@@ -47,4 +51,12 @@ class Reads:
             self.seen | other.seen,
             self.means | other.means,
             max(self.rays, other.rays),
+            _farther(self, other),
         )
+
+
+def _farther(one: Reads, other: Reads) -> float | None:
+    """Return how far both look together: at all where either has rays and nobody said how far."""
+    known = [each.around for each in (one, other) if each.around is not None]
+    silent = any(each.around is None and each.rays for each in (one, other))
+    return None if silent or not known else max(known)

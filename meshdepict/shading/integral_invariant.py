@@ -45,7 +45,7 @@ def _missing(space: ScaleSpace, radius: float, balls: int) -> NDArray[np.float64
 
 @method(
     local=False, lights="none", needs=("areas",), fits=settle,
-    reads=lambda last, **_: Reads(frozenset((0,))),
+    reads=lambda last, *, radius, **_: Reads(frozenset((0,)), around=radius + 1),
     source="Multi-scale integral invariants (Mara, Krömker, Jakob and Breuckmann 2010)",
 )  # fmt: skip
 def integral_invariant(

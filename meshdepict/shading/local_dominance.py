@@ -23,8 +23,12 @@ Bound = Annotated[
 ]
 
 
+def _reads(last: int, *, farthest: int, **_: Any) -> Reads:
+    return Reads(around=farthest + 1)
+
+
 @method(
-    local=False, lights="none", needs=("heights",), reads=lambda last, **_: Reads(),
+    local=False, lights="none", needs=("heights",), reads=_reads,
     source="Local dominance (Hesse 2016)",
 )  # fmt: skip
 def local_dominance(

@@ -37,8 +37,8 @@ Most = Annotated[
 _LEAST, _MOST = 60.0, 95.0
 
 
-def _reads(last: int, *, rays: int, **_: Any) -> Reads:
-    return Reads(normals=frozenset((0,)), rays=rays)
+def _reads(last: int, *, rays: int, radius: float, **_: Any) -> Reads:
+    return Reads(normals=frozenset((0,)), rays=rays, around=radius + 1)
 
 
 def _share(angles: NDArray[np.float32], least: float, most: float, name: str) -> NDArray[Any]:

@@ -20,8 +20,9 @@ from meshdepict.transport.occlusion import sky_openness
 __all__ = ["sky_view"]
 
 
-def _reads(last: int, *, rays: int, **_: Any) -> Reads:
-    return Reads(normals=frozenset((0,)), rays=rays)
+def _reads(last: int, *, rays: int, sky: str | None, radius: float | None, **_: Any) -> Reads:
+    far = RADIUS if sky == "overhead" and radius is None else radius
+    return Reads(normals=frozenset((0,)), rays=rays, around=None if far is None else far + 1)
 
 
 @method(

@@ -39,7 +39,8 @@ def _texture(space: ScaleSpace, detail: float) -> NDArray[np.float32]:
 
 
 @method(
-    local=False, lights="none", needs=("heights",), fits=settle, reads=lambda last, **_: Reads(),
+    local=False, lights="none", needs=("heights",), fits=settle,
+    reads=lambda last, **_: Reads(around=math.inf),
     source="Texture shading (Brown 2010)",
 )  # fmt: skip
 def texture_shading(

@@ -19,8 +19,12 @@ __all__ = ["topographic_position"]
 Window = Annotated[int, Range(1, 1_000_000, help="cells to the window's edge", soft=(1, 2000))]
 
 
+def _reads(last: int, *, broad: int, meso: int, local: int, **_: Any) -> Reads:
+    return Reads(around=max(broad, meso, local) + 1)
+
+
 @method(
-    local=False, lights="none", needs=("heights",), reads=lambda last, **_: Reads(),
+    local=False, lights="none", needs=("heights",), reads=_reads,
     source="Topographic position (Lindsay, Cockburn and Russell 2015)",
 )  # fmt: skip
 def topographic_position(
