@@ -47,14 +47,21 @@ def read(path: str | os.PathLike[str], *, winding: str = "auto") -> Mesh | Heigh
     terrain as `heightfields.read_heightfield`, which know more to choose and say what can go
     wrong. A ``.tif`` that says where on a map it lies is a terrain, a stack of pages a volume.
     """
-    from meshdepict.io.height_formats import is_tiff_path
+    from meshdepict.io.height_formats import is_single_page, is_tiff_path
     from meshdepict.io.heightfields import is_heightfield_path, read_heightfield
     from meshdepict.io.volumes import is_volume_path, read_volume
 
     regular(path)
     if is_heightfield_path(path):
         return read_heightfield(path)
-    if is_volume_path(path) or is_tiff_path(path):
+    if is_volume_path(path):
+        return read_volume(path)
+    if is_tiff_path(path):
+        if is_single_page(Path(path)):
+            raise MeshdepictError(
+                f"{path} is a single picture, neither a terrain nor a stack of slices: for slices "
+                "give their folder"
+            )
         return read_volume(path)
     return read_mesh(path, winding=winding)
 

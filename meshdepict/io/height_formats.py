@@ -13,7 +13,15 @@ from meshdepict.io.source import format_of, opened, unmarked
 from meshdepict.io.tiff_pages import TIFF_MARKS, Page, scale_of, tiff_pages
 from meshdepict.io.usgs_dem import is_usgs_dem, open_usgs_dem
 
-__all__ = ["RASTERS", "heights_format", "is_map_tiff", "is_mesh", "is_tiff_path", "open_source"]
+__all__ = [
+    "RASTERS",
+    "heights_format",
+    "is_map_tiff",
+    "is_mesh",
+    "is_single_page",
+    "is_tiff_path",
+    "open_source",
+]
 
 RASTERS = (
     ".adf", ".asc", ".bag", ".bil", ".bt", ".dem", ".dt0", ".dt1", ".dt2", ".flt", ".grd", ".grib",
@@ -41,6 +49,15 @@ def is_map_tiff(path: Path) -> bool:
         return _on_map(path, tiff_pages(path))
     except MeshdepictError:  # whoever reads it says what is wrong with it
         return False
+
+
+def is_single_page(path: Path) -> bool:
+    """Whether a TIFF holds one picture, and no stack by ImageJ's way."""
+    try:
+        pages = tiff_pages(path)
+    except (MeshdepictError, OSError):
+        return False
+    return len(pages) == 1 and scale_of(pages[0]).slices <= 1
 
 
 def _on_map(path: Path, pages: list[Page]) -> bool:

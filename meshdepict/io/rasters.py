@@ -107,9 +107,11 @@ class _Raster:
                 self._dataset = rasterio.io.DatasetReader(
                     os.path.abspath(self._path), driver=list(_DRIVERS)
                 )
-            except Exception as error:
+            except Exception as error:  # GDAL's own have no class in common but this one
+                text = said(error)
+                why = "" if "not recognized" in text else f": {text}"
                 raise MeshdepictError(
-                    f"is cut off, damaged or no raster that rasterio opens: {said(error)}"
+                    f"is cut off, damaged or in no format of heights that is known{why}"
                 ) from error
         return self._dataset
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import shutil
 import stat
 import tempfile
@@ -138,8 +139,9 @@ def _sentences(path: Path, folder: Path) -> Iterator[list[str]]:
         raise
     except Exception as error:  # GDAL's own have no class in common but this one
         errors.append(said(error))
-    reasons = [line for line in noise if line.startswith(("_tiff", "TIFF"))]
-    found = [line.partition(": ")[2] for line in reasons] + errors
+    # A progress bar may stand on the same line.
+    reasons = [match[1] for line in noise if (match := re.search(r"_tiff\w+: (.+)", line))]
+    found = reasons + errors
     if found:
         full = shutil.disk_usage(folder).free < _SPARE or "No space left" in found[0]
         why = "no space is left on the disk" if full else found[0].rstrip(".")

@@ -407,7 +407,7 @@ def test_a_single_page_of_numbers_is_a_terrain_and_of_shades_a_picture(tmp_path)
     shades.write_bytes(tiff(hills()[None].astype(np.uint8)))
     with pytest.warns(MeshdepictWarning, match="cells count as 1 m"):
         assert md.read(numbers).kind == "height field"
-    with pytest.raises(MeshdepictError, match=r"shades\.tif"):
+    with pytest.raises(MeshdepictError, match=r"shades\.tif is a single picture, neither"):
         md.read(shades)
 
 
@@ -520,7 +520,7 @@ def test_what_is_no_file_or_may_not_be_read_is_refused(tmp_path):
         read_heightfield(tmp_path / "pipe.tif")
     with pytest.raises(MeshdepictError, match="is a name that no file can have"):
         read_heightfield("a\0.tif")
-    with pytest.raises(MeshdepictError, match=r"is a folder|no raster"):
+    with pytest.raises(MeshdepictError, match="in no format of heights that is known"):
         read_heightfield(tmp_path)
 
 
@@ -538,6 +538,15 @@ def test_without_rasterio_a_sentence_names_the_extra(tmp_path, monkeypatch):
         read_heightfield(path)
     with pytest.warns(MeshdepictWarning, match="no coordinate reference system"):
         np.testing.assert_array_equal(read_heightfield(tmp_path / "a.asc").z, hills())
+
+
+@pytest.mark.parametrize("name", ["a.tif", "a.asc", "a.dem", "a.img", "a.hgt"])
+def test_what_is_in_no_format_of_heights_is_said_so_in_few_words(tmp_path, name):
+    (tmp_path / name).write_text("It was a dark and stormy night.")
+    with pytest.raises(MeshdepictError) as told:
+        read_heightfield(tmp_path / name)
+    wanted = f"{tmp_path / name} is cut off, damaged or in no format of heights that is known"
+    assert str(told.value) == wanted
 
 
 def test_reading_changes_and_leaves_nothing(tmp_path):

@@ -393,3 +393,13 @@ def test_a_disk_that_is_full_leaves_nothing_and_says_so(tmp_path, suffix, room):
     (line,) = done.stdout.splitlines()
     assert f"a.{suffix} could not be written: " in line
     assert os.listdir(tmp_path / "out") == []
+
+
+def test_relief_may_replace_relief_and_nothing_else(tmp_path, terrain, rng):
+    from meshdepict.baking.targets import check_target
+
+    like = terrain()
+    for name in ("a.tif", "a.png", "a.jpg"):
+        check_target(written(tmp_path / name, like, *shades(rng, like.shape)), force=False)
+    with pytest.raises(MeshdepictError, match=r"dem\.tif exists and was not written by meshdepict"):
+        check_target(tmp_path / "in" / "dem.tif", force=False)
