@@ -59,7 +59,7 @@ def written_tiff(
         name = f".{path.name[:100]}."
         with tempfile.TemporaryDirectory(".part", name, home, ignore_cleanup_errors=True) as folder:
             tiles = Path(folder, "tiles.tif")
-            with _sentences(path, home) as errors, gdal(_NEED, errors) as rasterio:
+            with _sentences(path, home), gdal(_NEED) as rasterio:
                 crs = _crs(rasterio, layout.crs)
                 dataset = _created(rasterio, tiles, layout, crs)
             if layout.crs and crs is None:

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from height_files import asc, hills, usgs
 
+import meshdepict as md
 from meshdepict.errors import MeshdepictError, MeshdepictWarning
 from meshdepict.io.crs import units_of
 from meshdepict.io.heightfields import read_heightfield
@@ -93,6 +94,12 @@ def test_words_for_no_number_are_no_heights(read):
     data = asc(hills()).replace(b" 300", b" 1.#QNAN", 1).replace(b" 400", b" *", 1)
     field = read(data, notes=[PLANE])
     assert np.argwhere(~field.valid).tolist() == [[0, 1], [0, 2]]
+
+
+def test_a_first_row_of_words_is_no_header(read):
+    z = np.array([[0, 5], [6, 7]], np.float32)
+    field = read(asc(z).replace(b"0 5", b"nan 5"), notes=[PLANE])
+    assert np.argwhere(~field.valid).tolist() == [[0, 0]]
 
 
 def test_a_grid_s_decimals_keep_their_precision(read):
@@ -293,6 +300,15 @@ def test_an_array_that_is_no_grid_of_numbers_is_refused(tmp_path, values, what):
     np.save(tmp_path / "a.npy", values)
     with pytest.raises(MeshdepictError, match=what):
         read_heightfield(tmp_path / "a.npy")
+
+
+def test_an_array_whose_header_is_damaged_is_refused(tmp_path):
+    np.save(tmp_path / "a.npy", hills())
+    data = (tmp_path / "a.npy").read_bytes()
+    (tmp_path / "a.npy").write_bytes(data.replace(b"'shape'", b"'shade'"))
+    for read in (md.read, read_heightfield):
+        with pytest.raises(MeshdepictError, match="cut off, damaged or no array"):
+            read(tmp_path / "a.npy")
 
 
 # --- systems ----------------------------------------------------------------------------------

@@ -524,6 +524,76 @@ def test_what_is_no_file_or_may_not_be_read_is_refused(tmp_path):
         read_heightfield(tmp_path)
 
 
+@pytest.mark.parametrize(
+    ("error", "what"),
+    [(PermissionError(13, "Permission denied"), "may not be read: permission denied"),
+     (OSError(5, "Input/output error"), "could not be read: Input/output error"),
+     (MemoryError(), "takes more memory than there is")],
+)  # fmt: skip
+def test_what_the_system_refuses_is_said_in_a_sentence(tmp_path, monkeypatch, error, what):
+    def refused(*_):
+        raise error
+
+    path = geotiff(tmp_path / "a.tif", hills())
+    terrain = Terrain(path)
+    monkeypatch.setattr("meshdepict.io.rasters.heights_of", refused)
+    with pytest.raises(MeshdepictError, match=rf"a\.tif {what}"):
+        terrain.read()
+    terrain.close()
+
+
+def test_memory_that_gdal_lacks_is_said(tmp_path, monkeypatch):
+    path = geotiff(tmp_path / "a.tif", hills())
+    terrain = Terrain(path)
+
+    def lacking(*_, **__):
+        raise MemoryError
+
+    monkeypatch.setattr(rasterio.io.DatasetReader, "read", lacking, raising=False)
+    with pytest.raises(MeshdepictError, match=r"a\.tif takes more memory than there is"):
+        terrain.read()
+    monkeypatch.undo()
+    terrain.close()
+
+
+def test_files_beside_a_raster_lie_in_its_folder(tmp_path):
+    (tmp_path / "elsewhere").mkdir()
+    (tmp_path / "here").mkdir()
+    path = geotiff(tmp_path / "here" / "a.tif", hills(600, 600))
+    overview = geotiff(tmp_path / "elsewhere" / "a.ovr", hills(300, 300))
+    beside = tmp_path / "here" / "a.tif.ovr"
+    shutil.copy(overview, beside)
+    np.testing.assert_array_equal(read(path).z, hills(600, 600))
+    beside.unlink()
+    beside.symlink_to(overview)
+    with pytest.raises(MeshdepictError, match=r"a\.tif names the file .*only files in its own"):
+        read_heightfield(path)
+
+
+def test_a_file_of_several_rasters_asks_for_one(tmp_path):
+    from scipy.io import netcdf_file
+
+    for names in (("z",), ("z", "error")):
+        with netcdf_file(tmp_path / "a.nc", "w") as file:
+            for name, values in (("y", 2115 - 10 * np.arange(12)), ("x", 1005 + 10 * np.arange(9))):
+                file.createDimension(name, len(values))
+                axis = file.createVariable(name, "f8", (name,))
+                axis[:], axis.units = values, b"m"
+                axis.standard_name = f"projection_{name}_coordinate".encode()
+            for name in names:
+                variable = file.createVariable(name, "f4", ("y", "x"))
+                variable[:] = hills()
+                variable.units = b"m"
+        if len(names) == 2:
+            with pytest.raises(MeshdepictError, match=r"a\.nc holds 2 rasters: extract one"):
+                read_heightfield(tmp_path / "a.nc")
+            return
+        with pytest.warns(MeshdepictWarning, match="no coordinate reference system"):
+            field = md.read(tmp_path / "a.nc")
+        np.testing.assert_array_equal(field.z, hills())
+        assert field.transform == (10, 0, 1000, 0, -10, 2120)
+
+
 def test_without_rasterio_a_sentence_names_the_extra(tmp_path, monkeypatch):
     import meshdepict.io.gdal as module
 
@@ -545,6 +615,8 @@ def test_what_is_in_no_format_of_heights_is_said_so_in_few_words(tmp_path, name)
     (tmp_path / name).write_text("It was a dark and stormy night.")
     with pytest.raises(MeshdepictError) as told:
         read_heightfield(tmp_path / name)
+    with pytest.raises(MeshdepictError, match="is cut off, damaged or"):
+        md.read(tmp_path / name)
     wanted = f"{tmp_path / name} is cut off, damaged or in no format of heights that is known"
     assert str(told.value) == wanted
 

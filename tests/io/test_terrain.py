@@ -329,6 +329,14 @@ def test_a_wrong_virtual_raster_is_refused(tmp_path, text, what):
         read_heightfield(tmp_path / "a.vrt")
 
 
+def test_a_virtual_raster_has_an_end(tmp_path, big, monkeypatch):
+    tiled(tmp_path, big)
+    path = vrt(tmp_path / "all.vrt", PLACES, big.shape)
+    monkeypatch.setattr("meshdepict.io.vrt._LARGEST", 100)
+    with pytest.raises(MeshdepictError, match="is too long for a virtual raster"):
+        read_heightfield(path)
+
+
 def test_half_a_place_is_none(tmp_path, big):
     tiled(tmp_path, big)
     path = vrt(tmp_path / "all.vrt", PLACES[:1], big.shape)
