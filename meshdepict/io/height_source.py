@@ -129,7 +129,7 @@ def note_units(
         elif source.unit != 1:
             notes.append(
                 "its cells are in feet, or another unit, and its heights in none: metres are taken "
-                "for them (unit= says otherwise)"
+                "for them (unit=, --height-unit)"
             )
     source.attributes["vertical_unit"] = name
     return METRES[name]

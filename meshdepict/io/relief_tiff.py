@@ -84,8 +84,12 @@ def written_tiff(
                 with suppress(Exception), gdal(_NEED):  # what is closed is thrown away
                     dataset.close()
                 raise
+            mode = stat.S_IMODE(os.stat(file.name).st_mode)
             with _sentences(path, home) as errors, gdal(_NEED, errors) as rasterio:
-                _optimised(rasterio, tiles, Path(file.name), layout)
+                _optimised(rasterio, tiles, Path(file.name))
+                os.chmod(
+                    file.name, mode
+                )  # GDAL deletes what is there, and begins a file of its own
 
 
 def _created(rasterio: Any, tiles: Path, layout: ReliefLayout, crs: Any) -> Any:
@@ -109,7 +113,7 @@ def _created(rasterio: Any, tiles: Path, layout: ReliefLayout, crs: Any) -> Any:
     return dataset
 
 
-def _optimised(rasterio: Any, tiles: Path, target: Path, layout: ReliefLayout) -> None:
+def _optimised(rasterio: Any, tiles: Path, target: Path) -> None:
     """Copy tiles in the order that readers over a network like, with overviews first."""
     with rasterio.Env(CPL_TMPDIR=str(tiles.parent)):
         rasterio.shutil.copy(

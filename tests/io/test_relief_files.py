@@ -326,6 +326,19 @@ def test_what_is_broken_off_leaves_the_earlier_file(tmp_path, terrain, rng, suff
     assert {p.name: p.read_bytes() for p in tmp_path.iterdir() if p.is_file()} == before
 
 
+@pytest.mark.parametrize("suffix", ["tif", "png"])
+def test_a_replaced_file_s_permissions_and_link_are_kept(tmp_path, terrain, rng, suffix):
+    like = terrain()
+    path, link = tmp_path / f"a.{suffix}", tmp_path / f"link.{suffix}"
+    path.touch()
+    path.chmod(0o640)
+    link.symlink_to(path)
+    written(link, like, *shades(rng, like.shape))
+    assert link.is_symlink()
+    assert path.stat().st_size > 0
+    assert path.stat().st_mode & 0o777 == 0o640
+
+
 @pytest.mark.parametrize("name", ["none/a.tif", "none/a.png", "in", "in/dem.tif/a.tif"])
 def test_where_nothing_can_be_written_is_said(tmp_path, terrain, name):
     like = terrain()
@@ -360,6 +373,7 @@ def test_a_system_that_nobody_understands_is_left_out_with_a_note(tmp_path, rng)
     assert "a.prj" not in os.listdir(tmp_path)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("suffix", ["tif", "png"])
 @pytest.mark.parametrize("room", [20_000, 300_000, 900_000, 1_300_000])
 def test_a_disk_that_is_full_leaves_nothing_and_says_so(tmp_path, suffix, room):
