@@ -127,7 +127,7 @@ def cut_for(
     width = float(max((widths[scale] for scale in reads.sets | reads.means), default=0.0))
     narrow, down = place.widest, place.spacing[1]
     along = float(np.linalg.norm(place.steps[..., 0], axis=1).min())
-    beside = [2 + math.ceil(around * place.edge_length / step) for step in (down, along)]
+    beside = [2 + math.ceil(around)] * 2
     align = 1
     if width > 0:
         beside[0] += halo(width / down, tolerance)

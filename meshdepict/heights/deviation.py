@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from meshdepict.heights.level import middle_height
 from meshdepict.threads import each, kernel, spans, thread_count
 
 __all__ = ["deviations"]
@@ -53,8 +54,7 @@ def deviations(
         0 where all are as high, and where not valid.
     """
     if middle is None:
-        known = z if valid is None else z[valid]
-        middle = (float(known.min()) + float(known.max())) / 2 if known.size else 0.0
+        middle = middle_height(z, valid)
     mask = np.empty((0, 0), np.bool_) if valid is None else valid
     rows, cols = z.shape
     span = 2 * int(radius) + 1

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from meshdepict.heights.level import middle_height
 from meshdepict.threads import each, kernel, spans, thread_count
 
 __all__ = ["dominances"]
@@ -26,6 +27,7 @@ def dominances(
     farthest: int = 20,
     directions: int = 24,
     observer: float = 1.7,
+    middle: float | None = None,
 ) -> Singles:
     """Return Σ max(0, h + observer − h_j)(2d_j + 1)/d_j over rings, relative to level land.
 
@@ -43,6 +45,8 @@ def dominances(
         Cells on each ring.
     observer : float
         Height of the eye above the ground, in the heights' unit.
+    middle : float, optional
+        A height that others in double precision are counted from; their middle unless given.
 
     Returns
     -------
@@ -57,8 +61,7 @@ def dominances(
     rows, cols = z.shape
     ground = np.full((rows + 2 * farthest, cols + 2 * farthest), _SUMMIT, np.float32)
     inner = ground[farthest : farthest + rows, farthest : farthest + cols]
-    known = z if valid is None else z[valid]
-    middle = (float(known.min()) + float(known.max())) / 2 if known.size else 0.0
+    middle = middle_height(z, valid) if middle is None else middle
     inner[...] = z if z.dtype == np.float32 else z - middle
     if valid is not None:
         inner[~valid] = _SUMMIT

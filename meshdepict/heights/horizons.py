@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshdepict.errors import MeshdepictError
+from meshdepict.heights.level import middle_height
 from meshdepict.options import nearest
 from meshdepict.threads import each, kernel, spans, thread_count
 
@@ -51,6 +52,7 @@ def sky_shares(
     directions: int = 16,
     radius: float = 10.0,
     horizon: str = "lines",
+    middle: float | None = None,
 ) -> Singles:
     """Return the sky-view factor 1 − mean sin max(γ, 0), γ the horizon's height (Zakšek 2011).
 
@@ -66,6 +68,8 @@ def sky_shares(
         "lines": heights along straight lines, between cells in proportion. "cells": the cells that
         a line passes, where their centres are, as the Relief Visualization Toolbox has it; the
         border mirrors.
+    middle : float, optional
+        A height that others in double precision are counted from; their middle unless given.
 
     Returns
     -------
@@ -78,7 +82,7 @@ def sky_shares(
         For another horizon.
     """
     out = np.ones(z.shape, np.float32)
-    _looked(_sky, z, valid, steps, directions, radius, horizon, 1.0, out)
+    _looked(_sky, z, valid, steps, directions, radius, horizon, 1.0, out, middle)
     return out
 
 
@@ -91,12 +95,13 @@ def open_angles(
     radius: float = 10.0,
     horizon: str = "lines",
     negative: bool = False,
+    middle: float | None = None,
 ) -> Singles:
     """Return the openness mean(90° − γ) in degrees, γ with its sign (Yokoyama et al. 2002).
 
     Parameters
     ----------
-    z, valid, steps, directions, radius, horizon
+    z, valid, steps, directions, radius, horizon, middle
         As for `sky_shares`.
     negative : bool
         Whether of −z: how open the ground is, seen from below.
@@ -108,7 +113,8 @@ def open_angles(
         level.
     """
     out = np.full(z.shape, 90, np.float32)
-    _looked(_open, z, valid, steps, directions, radius, horizon, -1.0 if negative else 1.0, out)
+    sign = -1.0 if negative else 1.0
+    _looked(_open, z, valid, steps, directions, radius, horizon, sign, out, middle)
     return out
 
 
@@ -135,6 +141,7 @@ def horizon_reach(radius: float) -> int:
 def _looked(
     look: Any, z: NDArray[Any], valid: NDArray[np.bool_] | None, steps: Floats,
     directions: int, radius: float, horizon: str, sign: float, out: Singles,
+    middle: float | None = None,
 ) -> None:  # fmt: skip
     """Run a kernel over all rows, heights and slopes in single precision."""
     if horizon not in HORIZONS:
@@ -144,7 +151,7 @@ def _looked(
     rays_of = _cell_rays if horizon == "cells" else _line_rays
     same = rays_of(steps, directions, radius) if len(steps) == 1 else None
     reach = horizon_reach(radius)
-    ground = _padded(z, valid, reach, sign, mirror=horizon == "cells")
+    ground = _padded(z, valid, reach, sign, middle, mirror=horizon == "cells")
     deepest = np.float32(_DEEPEST if horizon == "cells" else 0)
 
     def work(begin: int, end: int) -> None:
@@ -161,12 +168,17 @@ def _looked(
 
 
 def _padded(
-    z: NDArray[Any], valid: NDArray[np.bool_] | None, reach: int, sign: float, *, mirror: bool
+    z: NDArray[Any],
+    valid: NDArray[np.bool_] | None,
+    reach: int,
+    sign: float,
+    middle: float | None,
+    *,
+    mirror: bool,
 ) -> Singles:
     """Return heights ± in single precision, from their middle, with a rim as wide as rays reach."""
     rows, cols = z.shape
-    known = z if valid is None else z[valid]
-    middle = (float(known.min()) + float(known.max())) / 2 if known.size else 0.0
+    middle = middle_height(z, valid) if middle is None else middle
     ground = np.full((rows + 2 * reach, cols + 2 * reach), _ABYSS, np.float32)
     inner = ground[reach : reach + rows, reach : reach + cols]
     inner[...] = (z if z.dtype == np.float32 else z - middle) * z.dtype.type(sign)

@@ -65,7 +65,10 @@ def local_dominance(
 
     def dominance(field: HeightField) -> NDArray[np.float32]:
         valid = None if field.whole else field.valid
-        return dominances(field.z, valid, nearest=nearest, farthest=farthest, observer=observer)
+        return dominances(
+            field.z, valid,
+            nearest=nearest, farthest=farthest, observer=observer, middle=field.level,
+        )  # fmt: skip
 
     found = space.from_heights(dominance)
     shown = (found - np.float32(darkest)) / np.float32(brightest - darkest)

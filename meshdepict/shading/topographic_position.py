@@ -59,7 +59,11 @@ def topographic_position(
     def colours(field: HeightField) -> NDArray[np.float32]:
         valid = None if field.whole else field.valid
         return np.stack(
-            [deviations(field.z, valid, radius) for radius in (broad, meso, local)], axis=2
+            [
+                deviations(field.z, valid, radius, middle=field.level, origin=field.origin)
+                for radius in (broad, meso, local)
+            ],
+            axis=2,
         )
 
     found = np.abs(space.from_heights(colours))
