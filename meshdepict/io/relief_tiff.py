@@ -27,6 +27,7 @@ from meshdepict.threads import thread_count
 __all__ = ["check_tiff", "tiff_provenance", "written_tiff"]
 
 _BLOCK = 512
+_LEVEL = 2  # of deflate's nine: relief grows by 2 % against the usual 6, in a third of its time
 _NEED = "writing GeoTIFF"
 _SPARE = 1 << 20  # bytes: a disk with less is full
 
@@ -117,7 +118,7 @@ def _optimised(rasterio: Any, tiles: Path, target: Path) -> None:
     """Copy tiles in the order that readers over a network like, with overviews first."""
     with rasterio.Env(CPL_TMPDIR=str(tiles.parent)):
         rasterio.shutil.copy(
-            tiles, target, driver="COG", blocksize=_BLOCK, compress="DEFLATE",
+            tiles, target, driver="COG", blocksize=_BLOCK, compress="DEFLATE", level=_LEVEL,
             predictor="YES", overview_resampling="AVERAGE", bigtiff="IF_SAFER",
             num_threads=str(thread_count()),
         )  # fmt: skip
