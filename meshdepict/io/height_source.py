@@ -13,12 +13,24 @@ from meshdepict.files.any_numbers import any_numbers
 from meshdepict.heights.cells import Transform
 from meshdepict.io.height_units import METRES, height_unit
 
-__all__ = ["Cells", "HeightSource", "height_kind", "heights_of", "note_units", "whole_array"]
+__all__ = [
+    "WORDS",
+    "Cells",
+    "HeightSource",
+    "height_kind",
+    "heights_of",
+    "note_units",
+    "whole_array",
+]
 
 Cells = tuple[NDArray[Any], NDArray[np.bool_]]
 """Heights in metres, 0 where there are none, and where there are some."""
 
 _NOTHING = 1e30  # no mountain; files that forget to say so mark cells without height by -3.4e38
+
+
+WORDS = "tag "
+"""How the attributes begin that are a file's own words of its data; relief takes them over."""
 
 
 @dataclass

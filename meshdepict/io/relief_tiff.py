@@ -106,7 +106,9 @@ def _created(rasterio: Any, tiles: Path, layout: ReliefLayout, crs: Any) -> Any:
         tiled=True, blockxsize=_BLOCK, blockysize=_BLOCK, compress="deflate", zlevel=1,
         bigtiff="IF_SAFER", num_threads=str(thread_count()), **colours,
     )  # fmt: skip
-    facts = {line.partition(": ")[0]: line.partition(": ")[2] for line in layout.lines}
+    facts = dict(layout.words) | {
+        line.partition(": ")[0]: line.partition(": ")[2] for line in layout.lines
+    }
     dataset.update_tags(
         AREA_OR_POINT=layout.point_or_area, TIFFTAG_SOFTWARE=SOFTWARE,
         TIFFTAG_IMAGEDESCRIPTION="\n".join(layout.lines), **facts,
