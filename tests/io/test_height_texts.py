@@ -284,7 +284,9 @@ def test_cells_of_an_array_that_are_no_numbers_have_no_height(read, tmp_path):
     z = hills()
     z[1, 2], z[3, 4] = np.nan, np.inf
     np.save(tmp_path / "b.npy", z)
-    field = read((tmp_path / "b.npy").read_bytes(), "a.npy", notes=["1 m"], unit="ft")
+    field = read(
+        (tmp_path / "b.npy").read_bytes(), "a.npy", notes=["1 m", "infinite cells"], unit="ft"
+    )
     assert np.argwhere(~field.valid).tolist() == [[1, 2], [3, 4]]
     np.testing.assert_allclose(field.z[5:], z[5:] * FOOT, rtol=2e-7)
 
