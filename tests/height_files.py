@@ -46,7 +46,9 @@ def usgs(
     rows, cols = z.shape
     head = b"HILLS".ljust(144) + b"%6d%6d%6d%6d" % (1, 1, system, zone)
     head = head.ljust(528) + b"%6d%6d%6d" % (ground, up, 4)
-    head += b"".join(number(0) for _ in range(8)) + number(z.min()) + number(z.max()) + number(0)
+    x, y = ((corner[i], corner[i] + step[i] * (n - 1)) for i, n in ((0, cols), (1, rows)))
+    corners = (x[0], y[0], x[0], y[1], x[1], y[1], x[1], y[0])
+    head += b"".join(map(number, corners)) + number(z.min()) + number(z.max()) + number(0)
     head += b"%6d" % 0 + b"".join(f"{s:12.6E}".encode() for s in step) + b"%6d%6d" % (1, cols)
     body = head.ljust(890) + b"%2d" % datum
     body = body.ljust(1024)

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshdepict.errors import MeshdepictError
-from meshdepict.io.height_source import Cells, HeightSource
+from meshdepict.io.height_source import INFINITE, Cells, HeightSource
 
 __all__ = ["doubts"]
 
@@ -42,8 +42,10 @@ def doubts(source: HeightSource) -> list[str]:
     if bare:
         _refuse_hidden_degrees(source, parts)
         notes.append("it has no coordinate reference system: its cells count as metres")
+    if any(part.infinite for part in parts):
+        notes.append(INFINITE)
     if "nodata" not in source.attributes:
-        found = [n for n in _NO_HEIGHTS if any((z[valid] == n).any() for z, valid in parts)]
+        found = [n for n in _NO_HEIGHTS if any((z[valid] == n).any() for z, valid, _ in parts)]
         notes += [
             f"{value} counts as a height: if it means that there is none, say so in the file "
             f"(gdal_edit -a_nodata {value}; NaN in an array)"
@@ -78,7 +80,7 @@ def _refuse_hidden_degrees(source: HeightSource, parts: list[Cells]) -> None:
     x, y = [a * i + b * j + c for i, j in ends], [d * i + e * j + f for i, j in ends]
     fits = min(x) >= -360 and max(x) <= 360 and min(y) >= -91 and max(y) <= 91
     step = abs(a * e - b * d) ** 0.5
-    found = np.concatenate([steps for part in parts for steps in _rises(*part)])
+    found = np.concatenate([steps for part in parts for steps in _rises(*part[:2])])
     if fits and step <= 1 and len(found) and found.mean() > _STEEP * step:
         raise MeshdepictError(
             "has no coordinate reference system, and its coordinates look like degrees: state "

@@ -16,6 +16,7 @@ from meshdepict.files.limits import check_claim
 from meshdepict.heights.cells import Transform, checked_transform
 from meshdepict.io.crs import units_of
 from meshdepict.io.height_source import (
+    INFINITE,
     HeightSource,
     heights_of,
     note_units,
@@ -76,7 +77,8 @@ def open_esri_grid(path: Path, data: bytes, unit: str) -> HeightSource:
     if nodata is not None:
         source.attributes["nodata"] = nodata
     scale = note_units(source, "", units_of(source.crs).vertical, unit, source.notes)
-    z, valid = heights_of(z, valid, scale, 0)
+    z, valid, infinite = heights_of(z, valid, scale, 0)
+    source.notes += [INFINITE] if infinite else []
     source.read, source.kind, source.size = whole_array(z, valid), z.dtype, size
     return source
 

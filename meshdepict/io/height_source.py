@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,12 +13,34 @@ from meshdepict.files.any_numbers import any_numbers
 from meshdepict.heights.cells import Transform
 from meshdepict.io.height_units import METRES, height_unit
 
-__all__ = ["Cells", "HeightSource", "height_kind", "heights_of", "note_units", "whole_array"]
+__all__ = [
+    "INFINITE",
+    "WORDS",
+    "Cells",
+    "HeightSource",
+    "height_kind",
+    "heights_of",
+    "note_units",
+    "whole_array",
+]
 
-Cells = tuple[NDArray[Any], NDArray[np.bool_]]
-"""Heights in metres, 0 where there are none, and where there are some."""
+INFINITE = "infinite cells count as cells without a height"
+"""The note on them."""
+
+
+class Cells(NamedTuple):
+    """Heights in metres, 0 where there are none; where there are some; and whether any was ∞."""
+
+    z: NDArray[Any]
+    valid: NDArray[np.bool_]
+    infinite: bool = False
+
 
 _NOTHING = 1e30  # no mountain; files that forget to say so mark cells without height by -3.4e38
+
+
+WORDS = "tag "
+"""How the attributes begin that are a file's own words of its data; relief takes them over."""
 
 
 @dataclass
@@ -76,9 +98,10 @@ def heights_of(raw: NDArray[Any], valid: NDArray[np.bool_], scale: float, offset
         z = raw.astype(kind)
         if (scale, offset) != (1, 0):
             z = (z.astype(np.float64) * scale + offset).astype(kind)
-        valid = valid & (np.abs(z) < _NOTHING)
-    z[~valid] = 0
-    return z, valid
+        there = valid & (np.abs(z) < _NOTHING)
+    odd = z[valid & ~there]
+    z[~there] = 0
+    return Cells(z, there, bool(np.isinf(odd).any()))
 
 
 def height_kind(kind: np.dtype[Any]) -> np.dtype[Any]:
@@ -91,7 +114,7 @@ def whole_array(z: NDArray[Any], valid: NDArray[np.bool_]) -> Callable[[slice, s
     """Return what reads parts of heights that are in memory."""
 
     def read(rows: slice, cols: slice) -> Cells:
-        return z[rows, cols].copy(), valid[rows, cols].copy()
+        return Cells(z[rows, cols].copy(), valid[rows, cols].copy())
 
     return read
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager, nullcontext
@@ -11,13 +12,15 @@ from typing import Any
 
 import numpy as np
 
-from meshdepict.errors import MeshdepictError
+from meshdepict.errors import MeshdepictError, printable
 from meshdepict.files.library_noise import library_noise
 from meshdepict.files.limits import check_claim
+from meshdepict.files.mark import MARK
 from meshdepict.heights.cells import checked_transform
 from meshdepict.io.crs import units_of
 from meshdepict.io.gdal import gdal, said
 from meshdepict.io.height_source import (
+    WORDS,
     Cells,
     HeightSource,
     height_kind,
@@ -40,6 +43,12 @@ _COLOURS = (
     "red", "green", "blue", "alpha", "palette", "hue", "saturation", "lightness", "cyan", "magenta",
     "yellow", "black", "Y", "Cb", "Cr",
 )  # fmt: skip
+# Of a file and its numbers, not of what they mean.
+_ABOUT_FILES = (
+    "AREA_OR_POINT", "STATISTICS_", "OVR_", "TIFFTAG_IMAGEDESCRIPTION", "TIFFTAG_SOFTWARE",
+    "TIFFTAG_XRES", "TIFFTAG_YRES", "TIFFTAG_RES", "TIFFTAG_MIN", "TIFFTAG_MAX", MARK,
+)  # fmt: skip
+_LONGEST_WORD, _MOST_WORDS = 1000, 64
 _NO_PLACE = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0)  # GDAL's way to say that there is none
 _PICTURES = ("PNG", "JPEG", "BMP", "PNM", "JP2OpenJPEG")
 
@@ -180,12 +189,24 @@ def _described(path: Path, dataset: Any, band: int, unit: str, cells: _Raster) -
             ("point_or_area", dataset.tags().get("AREA_OR_POINT")), ("driver", dataset.driver),
         )
         if value is not None
-    }  # fmt: skip
+    } | _words(dataset)  # fmt: skip
     names = {str(path), *dataset.files}
     source.size = sum(os.path.getsize(name) for name in names if os.path.isfile(name))
     high, wide = dataset.block_shapes[band - 1]  # GDAL makes room for one at least
     check_claim(high * wide * kind.itemsize, source.size, "cells in a block")
     return source
+
+
+def _words(dataset: Any) -> dict[str, str]:
+    """Return what people wrote of the data, which goes with them: whose they are, and of when."""
+    found = {
+        name: printable(text)
+        for name, text in dataset.tags().items()
+        if len(text) <= _LONGEST_WORD
+        and re.fullmatch(r"[\w .:/#-]{3,80}", name)
+        and not name.startswith(_ABOUT_FILES)
+    }
+    return {f"{WORDS}{name}": found[name] for name in sorted(found)[:_MOST_WORDS]}
 
 
 def _fits(nodata: float | None, kind: np.dtype[Any]) -> bool:

@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from meshdepict.errors import MeshdepictError, printable
 from meshdepict.files.mark import MARK, SOFTWARE
+from meshdepict.io.height_source import WORDS
 from meshdepict.io.relief_layout import KINDS, ReliefLayout
 from meshdepict.io.terrain import Terrain
 
@@ -155,6 +156,11 @@ def relief_writer(
         rows, cols, like.transform, like.crs, kind,
         str(like.attributes.get("point_or_area", "Area")),
         tuple(f"{MARK}{key}: {printable(str(text))}" for key, text in facts.items()),
+        tuple(
+            (key.removeprefix(WORDS), str(text))
+            for key, text in like.attributes.items()
+            if key.startswith(WORDS)
+        ),
     )  # fmt: skip
     if Path(path).suffix.lower() in (".tif", ".tiff"):
         from meshdepict.io.relief_tiff import written_tiff as written

@@ -29,6 +29,8 @@ class ReliefLayout:
         What a cell of the input stands for, in GDAL's words.
     lines : tuple of str
         Provenance, a line each.
+    words : tuple of (str, str)
+        What the input's file says of its data, by names.
     """
 
     rows: int
@@ -38,6 +40,7 @@ class ReliefLayout:
     kind: str
     point_or_area: str
     lines: tuple[str, ...]
+    words: tuple[tuple[str, str], ...] = ()
 
     @property
     def bands(self) -> int:

@@ -27,6 +27,7 @@ from meshdepict.threads import thread_count
 __all__ = ["check_tiff", "tiff_provenance", "written_tiff"]
 
 _BLOCK = 512
+_LEVEL = 2  # of deflate's nine: relief grows by 2 % against the usual 6, in a third of its time
 _NEED = "writing GeoTIFF"
 _SPARE = 1 << 20  # bytes: a disk with less is full
 
@@ -105,7 +106,9 @@ def _created(rasterio: Any, tiles: Path, layout: ReliefLayout, crs: Any) -> Any:
         tiled=True, blockxsize=_BLOCK, blockysize=_BLOCK, compress="deflate", zlevel=1,
         bigtiff="IF_SAFER", num_threads=str(thread_count()), **colours,
     )  # fmt: skip
-    facts = {line.partition(": ")[0]: line.partition(": ")[2] for line in layout.lines}
+    facts = dict(layout.words) | {
+        line.partition(": ")[0]: line.partition(": ")[2] for line in layout.lines
+    }
     dataset.update_tags(
         AREA_OR_POINT=layout.point_or_area, TIFFTAG_SOFTWARE=SOFTWARE,
         TIFFTAG_IMAGEDESCRIPTION="\n".join(layout.lines), **facts,
@@ -117,7 +120,7 @@ def _optimised(rasterio: Any, tiles: Path, target: Path) -> None:
     """Copy tiles in the order that readers over a network like, with overviews first."""
     with rasterio.Env(CPL_TMPDIR=str(tiles.parent)):
         rasterio.shutil.copy(
-            tiles, target, driver="COG", blocksize=_BLOCK, compress="DEFLATE",
+            tiles, target, driver="COG", blocksize=_BLOCK, compress="DEFLATE", level=_LEVEL,
             predictor="YES", overview_resampling="AVERAGE", bigtiff="IF_SAFER",
             num_threads=str(thread_count()),
         )  # fmt: skip

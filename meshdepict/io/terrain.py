@@ -11,6 +11,9 @@ from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 from meshdepict.errors import MeshdepictError, MeshdepictWarning
 from meshdepict.files.any_numbers import any_numbers
 from meshdepict.files.limits import as_text, check_claim, max_memory
@@ -18,7 +21,7 @@ from meshdepict.files.reach import regular
 from meshdepict.heights.cells import Transform
 from meshdepict.io.doubtful_heights import doubts
 from meshdepict.io.height_formats import open_source
-from meshdepict.io.height_source import Cells, HeightSource
+from meshdepict.io.height_source import INFINITE, HeightSource
 from meshdepict.io.height_units import chosen_unit
 from meshdepict.io.tiles import mosaic
 
@@ -98,6 +101,7 @@ class Terrain:
         except BaseException:
             self.close()
             raise
+        self._infinity_is_said = INFINITE in notes
         if notes:
             text = "; ".join(dict.fromkeys(notes))
             warnings.warn(f"{self._name}: {text}", MeshdepictWarning, stacklevel=2)
@@ -117,7 +121,9 @@ class Terrain:
         with _named(self._name):
             check_claim(self.rows * self.cols * self.bytes_per_cell, self._source.size, "cells")
 
-    def read(self, rows: slice | None = None, cols: slice | None = None) -> Cells:
+    def read(
+        self, rows: slice | None = None, cols: slice | None = None
+    ) -> tuple[NDArray[Any], NDArray[np.bool_]]:
         """Return the heights of a window in metres, 0 where there are none, and where there are.
 
         Parameters
@@ -141,7 +147,11 @@ class Terrain:
                     "with --max-memory"
                 )
             with any_numbers():
-                return self._source.read(down, across)
+                z, valid, infinite = self._source.read(down, across)
+        if infinite and not self._infinity_is_said:
+            self._infinity_is_said = True
+            warnings.warn(f"{self._name}: {INFINITE}", MeshdepictWarning, stacklevel=2)
+        return z, valid
 
     def window(self, rows: slice | None = None, cols: slice | None = None) -> HeightField:
         """Return a part as a `HeightField` at its place; see `read`."""

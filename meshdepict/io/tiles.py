@@ -33,6 +33,7 @@ class _Mosaic:
         start, stop = np.array([rows.start, cols.start]), np.array([rows.stop, cols.stop])
         shape = tuple((stop - start).tolist())
         z, valid = np.zeros(shape, self._kind), np.zeros(shape, bool)
+        infinite = False
         low = np.maximum(self._places, start)
         high = np.minimum(self._places + self._sizes, stop)
         for i in np.flatnonzero((low < high).all(axis=1)).tolist():
@@ -46,11 +47,12 @@ class _Mosaic:
                 strict=True,
             )]  # fmt: skip
             self._touch(i)
-            found, has = self._tiles[i].read(*inner)
+            found, has, odd = self._tiles[i].read(*inner)
+            infinite = infinite or odd
             new = has & ~valid[there]
             z[there][new] = found[new]
             valid[there] |= has
-        return z, valid
+        return Cells(z, valid, infinite)
 
     def release(self) -> None:
         """Close all tiles."""

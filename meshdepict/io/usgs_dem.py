@@ -101,7 +101,7 @@ def open_usgs_dem(data: bytes, unit: str) -> HeightSource:
     source.crs = usgs_crs(system, _integer(head, 162, missing=0), _datum(head))
     source.attributes |= {"name": head[:40].decode("latin-1").strip(), "nodata": _VOID[0]}
     scale = note_units(source, _UNITS[up], None, unit, source.notes)
-    z, valid = heights_of(z, valid, scale, 0)
+    z, valid, _ = heights_of(z, valid, scale, 0)
     source.read, source.kind, source.size = whole_array(z, valid), z.dtype, size
     return source
 

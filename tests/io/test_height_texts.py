@@ -127,6 +127,46 @@ def test_the_text_beside_a_grid_says_its_system(read, tmp_path):
     assert (field.unit, field.degrees) == (FOOT, False)
 
 
+@pytest.mark.parametrize(
+    "words",
+    [{}, {"xllcorner": None, "yllcorner": None, "xllcenter": 7.5, "yllcenter": -3},
+     {"cellsize": None, "dx": 2, "dy": 3.5}, {"NODATA_value": None}, {"NODATA_value": 300}],
+)  # fmt: skip
+def test_a_grid_is_what_gdal_reads(read, tmp_path, words):
+    rasterio = pytest.importorskip("rasterio")
+
+    field = read(asc(hills() + np.float32(0.25), **words), notes=[PLANE])
+    with rasterio.open(tmp_path / "a.asc") as dataset:
+        wanted = dataset.read(1, masked=True)
+        assert field.transform == pytest.approx(tuple(dataset.transform)[:6], rel=1e-12)
+    np.testing.assert_array_equal(field.valid, ~np.ma.getmaskarray(wanted))
+    np.testing.assert_array_equal(field.z, wanted.filled(0))
+
+
+@pytest.mark.parametrize(
+    "words", [{}, {"up": 1}, {"step": (10, 10, 1)}, {"local": 30}, {"datum": 1}, {"zone": 10}]
+)
+def test_a_model_is_what_gdal_reads(read, tmp_path, words):
+    rasterio = pytest.importorskip("rasterio")
+
+    step = words.get("step", (30, 30, 1))
+    starts = [3, 2, 1, 0, 0, 0, 1, 2, 3]
+    corner = (step[0] * 16_667, step[1] * 166_667)  # GDAL rounds places to whole cells
+    field = read(usgs(hills(), starts=starts, corner=corner, **words), "a.dem", unit="m")
+    with rasterio.open(tmp_path / "a.dem") as dataset:
+        theirs = dataset.read(1, masked=True)
+        west, north = dataset.transform.c, dataset.transform.f
+        system = dataset.crs
+    down = round((north - field.transform[5]) / step[1])
+    right = round((field.transform[2] - west) / step[0])
+    wanted = theirs[down : down + 12, right : right + 9]
+    np.testing.assert_array_equal(field.valid, ~np.ma.getmaskarray(wanted))
+    np.testing.assert_array_equal(field.z, wanted.filled(0))
+    ours = rasterio.CRS.from_wkt(field.crs)
+    for name in ("central_meridian", "lon_0", "zone", "units"):
+        assert ours.to_dict().get(name) == system.to_dict().get(name)
+
+
 def test_a_grid_s_heights_take_the_chosen_unit(read):
     field = read(asc(hills()), notes=[PLANE], unit="ft")
     np.testing.assert_allclose(field.z, hills() * FOOT, rtol=2e-7)
@@ -284,7 +324,9 @@ def test_cells_of_an_array_that_are_no_numbers_have_no_height(read, tmp_path):
     z = hills()
     z[1, 2], z[3, 4] = np.nan, np.inf
     np.save(tmp_path / "b.npy", z)
-    field = read((tmp_path / "b.npy").read_bytes(), "a.npy", notes=["1 m"], unit="ft")
+    field = read(
+        (tmp_path / "b.npy").read_bytes(), "a.npy", notes=["1 m", "infinite cells"], unit="ft"
+    )
     assert np.argwhere(~field.valid).tolist() == [[1, 2], [3, 4]]
     np.testing.assert_allclose(field.z[5:], z[5:] * FOOT, rtol=2e-7)
 

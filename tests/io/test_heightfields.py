@@ -284,13 +284,31 @@ def test_a_mask_beside_the_heights_is_believed(tmp_path):
     np.testing.assert_array_equal(read(path).valid, there)
 
 
-@pytest.mark.parametrize("odd", [np.nan, np.inf, -np.inf, -3.4e38])
+@pytest.mark.parametrize("odd", [np.nan, -3.4e38])
 def test_cells_that_are_no_numbers_have_no_height(tmp_path, odd):
     z = hills()
     z[4, 4] = odd
     field = read(geotiff(tmp_path / "a.tif", z))
     assert np.argwhere(~field.valid).tolist() == [[4, 4]]
     assert field.z[4, 4] == 0
+
+
+@pytest.mark.parametrize("odd", [np.inf, -np.inf])
+@pytest.mark.parametrize("place", [(0, 0), (200, 100)], ids=["in a corner", "anywhere"])
+def test_infinite_cells_have_no_height_with_one_note(tmp_path, odd, place):
+    z = hills(900, 300)
+    z[place] = odd
+    for path in (
+        geotiff(tmp_path / "a.tif", z),
+        geotiff(tmp_path / "b.tif", z, nodata=-9999),
+        [geotiff(tmp_path / "c.tif", z)],
+    ):
+        with pytest.warns(MeshdepictWarning, match="infinite cells count as cells without") as told:
+            field = read_heightfield(path)
+        assert len(told) == 1
+        assert np.argwhere(~field.valid).tolist() == [list(place)]
+        assert field.z[place] == 0
+    read(geotiff(tmp_path / "d.tif", z, nodata=odd))  # they are declared to be none
 
 
 @pytest.mark.parametrize("nothing", [-9999, -32768])

@@ -88,6 +88,19 @@ def test_place_system_and_facts_survive(tmp_path, terrain, rng, place):
     assert sorted(os.listdir(tmp_path)) == ["a.tif", "in"]
 
 
+def test_what_the_file_says_of_its_data_survives(tmp_path, terrain, rng):
+    said = {"TIFFTAG_COPYRIGHT": "the survey, 2019", "campaign": "spring", "TIFFTAG_SOFTWARE": "x",
+            "STATISTICS_MEAN": "7", "TIFFTAG_IMAGEDESCRIPTION": "heights"}  # fmt: skip
+    like = terrain(after=lambda d: d.update_tags(**said))
+    gray, valid = shades(rng, like.shape)
+    with rasterio.open(written(tmp_path / "a.tif", like, gray, valid)) as dataset:
+        found = dataset.tags()
+    assert (found["TIFFTAG_COPYRIGHT"], found["campaign"]) == ("the survey, 2019", "spring")
+    assert found["TIFFTAG_SOFTWARE"].startswith("meshdepict ")
+    assert found["TIFFTAG_IMAGEDESCRIPTION"].startswith("meshdepict ")
+    assert "STATISTICS_MEAN" not in found
+
+
 def test_what_a_cell_stands_for_survives(tmp_path, terrain, rng):
     like = terrain(after=lambda d: d.update_tags(AREA_OR_POINT="Point"))
     gray, valid = shades(rng, like.shape)
