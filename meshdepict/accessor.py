@@ -23,8 +23,10 @@ from meshdepict.scales.making import scale_space
 from meshdepict.scales.space import ScaleSpace
 from meshdepict.shading.method import declaration
 from meshdepict.shading.registry import METHODS, find_method
+from meshdepict.shapes.height_field import HeightField
+from meshdepict.shapes.height_grids import image_ground, is_layer, structured_ground
 from meshdepict.shapes.lengths import counts_pixels
-from meshdepict.shapes.sheet import SCALARS, height_sheet, scalar_array
+from meshdepict.shapes.sheet import SCALARS, scalar_array
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -54,8 +56,10 @@ class Depict:
     VTK's clock: who writes into ``points`` by way of NumPy says ``mesh.GetPoints().Modified()``.
 
     A ``PolyData`` is shaded as it is. An ``ImageData`` with one layer of points is a height field:
-    its active scalars are heights, in its units; where they are NaN, the colour is grey. One with
-    several layers is a volume, whose voxels get "RGBA"; see `bake_volume`.
+    its active scalars are heights, in its units; where they are NaN, the colour is grey. So is a
+    ``StructuredGrid`` of one layer, evenly spaced in x and y, with its points' z; other layers are
+    sheets, shaded as meshes. An ``ImageData`` with several layers is a volume, whose voxels get
+    "RGBA"; see `bake_volume`.
     """
 
     def __init__(self, dataset: Any) -> None:
@@ -83,7 +87,7 @@ class Depict:
 
         Returns
         -------
-        pyvista.PolyData or pyvista.ImageData
+        pyvista.PolyData, pyvista.ImageData or pyvista.StructuredGrid
 
         Raises
         ------
@@ -93,7 +97,7 @@ class Depict:
         dataset = self._dataset
         kind = _kind(dataset)
         function = find_method(method)
-        scalars = None if kind == "mesh" else settings.pop("scalars", None)
+        scalars = settings.pop("scalars", None) if kind in ("heights", "volume") else None
         if kind == "volume":
             return self._shade_volume(method, scalars, settings)
         check(function, {k: v for k, v in settings.items() if k not in _BAKE}, function.__name__)
@@ -101,9 +105,10 @@ class Depict:
         fresh = settings.get("albedo") == "keep" and kind == "mesh"
         surface = self._kept(scalars) if not fresh else _surface_of(dataset, None)
         if counts_pixels(settings.get("width")):
-            settings["width"] = measured(Look(method, **settings), surface.mesh).width
+            settings["width"] = measured(Look(method, **settings), surface.shape).width
         ladder = {name: settings.pop(name) for name in LADDER if name in settings}
-        baked = bake(surface.space(declaration(function), ladder), method, **settings)
+        factor = settings.get("z_factor", 1.0)
+        baked = bake(surface.space(declaration(function), ladder, factor), method, **settings)
         result = _dressed(dataset, surface, baked)
         result.depict._surface = surface.of(result)
         return result
@@ -149,46 +154,55 @@ class Depict:
 
 
 class _Surface:
-    """The mesh of a dataset as it was, with its scale spaces."""
+    """The shape of a dataset as it was, with its scale spaces."""
 
     def __init__(
         self,
-        mesh: Mesh,
+        shape: Mesh | HeightField,
         stamp: tuple[Any, ...],
         where: str,
         name: str = "",
         there: NDArray[np.bool_] | None = None,
     ):
-        self.mesh, self.stamp = mesh, stamp
+        self.shape, self.stamp = shape, stamp
         self.where, self.name, self.there = where, name, there
         self._spaces: dict[tuple[Any, ...], ScaleSpace] = {}
 
-    def space(self, declared: Declaration, ladder: Mapping[str, Any]) -> ScaleSpace:
+    def space(
+        self, declared: Declaration, ladder: Mapping[str, Any], z_factor: float
+    ) -> ScaleSpace:
         """Return the scale space that `bake` would make; made once."""
+        shape = self.shape
+        if isinstance(shape, HeightField):
+            shape = shape.raised(z_factor)
+        else:
+            z_factor = 1.0  # which `bake` refuses to change
         wanted = {name: ladder.get(name, _BAKE[name].default) for name in LADDER}
         if wanted["scales"] is None or declared.scales == 0:
             wanted["scales"] = declared.scales
         wanted["ratio"] = wanted["ratio"] or declared.ratio
-        key = tuple(wanted.values())
+        key = (z_factor, *wanted.values())
         if key not in self._spaces:
-            self._spaces[key] = scale_space(self.mesh, **wanted, at_once=())
+            self._spaces[key] = scale_space(shape, **wanted, at_once=())
         return self._spaces[key]
 
     def of(self, dataset: Any) -> _Surface:
         """Return the same surface, known as that of a copy of the dataset."""
         twin = _Surface(
-            self.mesh, _stamp(dataset, self.name or None), self.where, self.name, self.there
+            self.shape, _stamp(dataset, self.name or None), self.where, self.name, self.there
         )
         twin._spaces = self._spaces
         return twin
 
 
 def _kind(dataset: Any) -> str:
-    """Return "mesh", "heights" or "volume"; refuse other datasets."""
+    """Return "mesh", "layer", "heights" or "volume"; refuse other datasets."""
     if hasattr(dataset, "GetPolys"):
         return "mesh"
     if hasattr(dataset, "direction_matrix"):
         return "heights" if 1 in dataset.dimensions else "volume"
+    if is_layer(dataset):
+        return "layer"
     raise MeshdepictError(
         f"{_a(type(dataset).__name__)} has no surface of its own to shade: take "
         ".extract_surface() first"
@@ -204,6 +218,8 @@ def _stamp(dataset: Any, scalars: str | None) -> tuple[Any, ...]:
     if _kind(dataset) == "mesh":
         parts = dataset.GetPoints(), dataset.GetPolys(), dataset.GetStrips()
         return tuple(part.GetMTime() for part in parts if part is not None)
+    if _kind(dataset) == "layer":
+        return dataset.GetPoints().GetMTime(), dataset.dimensions
     where, name = scalar_array(dataset, scalars)
     data = dataset.GetPointData() if where == "point" else dataset.GetCellData()
     place = dataset.dimensions, dataset.spacing, dataset.origin
@@ -214,9 +230,12 @@ def _surface_of(dataset: Any, scalars: str | None) -> _Surface:
     stamp = _stamp(dataset, scalars)
     if _kind(dataset) == "mesh":
         return _Surface(as_mesh(dataset), stamp, "point")
+    if _kind(dataset) == "layer":
+        shape, there = structured_ground(dataset)
+        return _Surface(shape, stamp, "point", "", there)
     where, name = scalar_array(dataset, scalars)
-    mesh, there = height_sheet(dataset, where, name)
-    return _Surface(mesh, stamp, where, name, there)
+    shape, there = image_ground(dataset, where, name)
+    return _Surface(shape, stamp, where, name, there)
 
 
 def _dressed(dataset: Any, surface: _Surface, baked: Baked) -> Any:

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from meshdepict.baking.provenance import comment_lines, was_baked
 from meshdepict.errors import MeshdepictError
+from meshdepict.io.relief_files import RELIEFS
 from meshdepict.scene.view import View
 from meshdepict.shapes.gbuffer import GBuffer
 from meshdepict.shapes.height_field import HeightField
@@ -250,8 +251,9 @@ class Baked(Depiction):
         """Write the shape with its colours; the suffix decides the format.
 
         ``.html`` is a page of its own that turns, offline, in any browser; see `save_page`. An
-        image is written as a picture. Of other formats, everything the input file had is kept. An
-        existing file is replaced, once the new one is complete.
+        image is written as a picture, and so is a height field as ``.png``, ``.jpg`` or ``.tif``:
+        on its raster, at its place on the map. Of other formats, everything the input file had is
+        kept. An existing file is replaced, once the new one is complete.
 
         Raises
         ------
@@ -260,6 +262,8 @@ class Baked(Depiction):
         """
         if isinstance(self.shape, GBuffer):
             return self.picture(path)
+        if isinstance(self.shape, HeightField) and Path(path).suffix.lower() in RELIEFS:
+            return self._save_relief(self.shape, Path(path))
         if Path(path).suffix.lower() in (".html", ".htm"):
             from meshdepict.viewer.page import save_page
 
@@ -268,6 +272,17 @@ class Baked(Depiction):
 
         write_mesh(path, self.mesh, colors=self.colors, comments=self.comments)
         return Path(path)
+
+    def _save_relief(self, field: HeightField, path: Path) -> Path:
+        from meshdepict.io.relief_files import relief_writer
+
+        gray = bool((self.colors == self.colors[:, :1]).all())
+        raster = field.image(self.colors[:, 0] if gray else self.colors)
+        with relief_writer(
+            path, like=field, kind="gray" if gray else "color", provenance=self.provenance
+        ) as file:
+            file.write(slice(None), slice(None), raster, field.valid)
+        return path
 
     def to_pyvista(self) -> Any:
         """Return a ``pyvista.PolyData``: colours as "RGB", intensity as "depict_<method>".

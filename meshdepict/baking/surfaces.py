@@ -121,7 +121,7 @@ def as_solid(shape: object, *, winding: str = "auto") -> Mesh | HeightField:
 
     Parameters
     ----------
-    shape : path, Mesh, HeightField, or what PyVista or trimesh hold
+    shape : path, Mesh, HeightField, or what PyVista, trimesh or xarray hold
     winding : {"auto", "keep"}
         How files of meshes are read.
     """
@@ -135,7 +135,24 @@ def as_solid(shape: object, *, winding: str = "auto") -> Mesh | HeightField:
             return read_heightfield(shape)
         _refuse_volume(shape)
         return read_mesh(shape, winding=winding)
-    return as_mesh(shape)
+    found = _terrain(shape)
+    return as_mesh(shape) if found is None else found
+
+
+def _terrain(shape: object) -> HeightField | None:
+    """Return the terrain that a DataArray of xarray or an even grid of PyVista holds, if it is."""
+    from meshdepict.io.data_arrays import from_data_array, is_data_array
+    from meshdepict.shapes.height_grids import image_ground, is_layer, structured_ground
+    from meshdepict.shapes.sheet import scalar_array
+
+    if is_data_array(shape):
+        return from_data_array(shape)
+    if not is_layer(shape):
+        return None
+    image = hasattr(shape, "direction_matrix")
+    grid: Any = shape
+    found, _ = image_ground(grid, *scalar_array(grid)) if image else structured_ground(grid)
+    return found if isinstance(found, HeightField) else None
 
 
 def with_choices(shape: Mesh | GBuffer | HeightField, look: Choices) -> Any:

@@ -13,7 +13,7 @@ from meshdepict.shapes.mesh import Mesh
 if TYPE_CHECKING:
     from meshdepict.shapes.data_set import ImageData
 
-__all__ = ["SCALARS", "Sheet", "height_sheet", "scalar_array"]
+__all__ = ["SCALARS", "Sheet", "checked_heights", "height_sheet", "scalar_array"]
 
 SCALARS = "depict_scalars"  # the field that names what was shaded, of an image that shows colours
 
@@ -56,6 +56,21 @@ def scalar_array(image: ImageData, name: str | None = None) -> tuple[str, str]:
     )
 
 
+def checked_heights(image: ImageData, where: str, name: str) -> NDArray[np.float64]:
+    """Return an array of a ``pyvista.ImageData`` as heights.
+
+    Raises
+    ------
+    MeshdepictError
+        For heights that aren't one number each.
+    """
+    data = image.point_data if where == "point" else image.cell_data
+    heights = np.asarray(data[name])
+    if heights.ndim != 1 or heights.dtype.kind not in "biuf":
+        raise MeshdepictError(f"{name!r} has not one number for each {where}: it holds no heights")
+    return heights.astype(np.float64)
+
+
 def height_sheet(image: ImageData, where: str, name: str) -> Sheet:
     """Return the sheet of a ``pyvista.ImageData`` with one layer of points.
 
@@ -70,14 +85,10 @@ def height_sheet(image: ImageData, where: str, name: str) -> Sheet:
     MeshdepictError
         For heights that aren't one number each, and where no cell has four of them.
     """
-    data = image.point_data if where == "point" else image.cell_data
-    heights = np.asarray(data[name])
-    if heights.ndim != 1 or heights.dtype.kind not in "biuf":
-        raise MeshdepictError(f"{name!r} has not one number for each {where}: it holds no heights")
+    heights = checked_heights(image, where, name)
     grid = image if where == "point" else image.cell_centers()
     flat = image.dimensions.index(1)
     directions = np.asarray(image.direction_matrix)
-    heights = heights.astype(np.float64)
     there = np.isfinite(heights)
     points = np.asarray(grid.points, dtype=np.float64)[there]
     points += heights[there, None] * directions[:, flat]

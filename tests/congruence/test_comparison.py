@@ -313,3 +313,42 @@ def test_a_folder_takes_the_sheet(run, small):
     Path("sheets").mkdir()
     assert run(*small, "-o", "sheets")[0] == 0
     assert Path("sheets/ball-compare.png").exists()
+
+
+# --- terrain --------------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def hill():
+    y, x = np.mgrid[:60, :60] + 0.0
+    return md.HeightField(8 * np.exp(-((x - 30) ** 2 + (y - 30) ** 2) / 200))
+
+
+def test_terrain_is_compared_on_its_map(hill):
+    found = md.compare(
+        hill, ["lambert", "exaggerated"], lights=["northwest"], size=(120, 120), z_factor=2
+    )
+    assert found.view.name == "top"
+    assert found.shape.z_factor == 2
+    assert found.settings["z_factor"] == 2
+    assert found.options[1]["one_light"] is True
+    mesh = md.compare(
+        hill.raised(2).mesh, ["lambert"], lights=["northwest"], size=(120, 120), view="top", up="z"
+    )
+    assert np.abs(found.pictures[0].astype(int) - mesh.pictures[0]).mean() < 1
+    for row, method in enumerate(found.methods):
+        baked = md.bake(hill, method, z_factor=2, scales=6, ratio=1.7)
+        middle = baked.shape.image(baked.colors)[25:35, 25:35].astype(int)
+        shown = found.pictures[row, 0][51:69, 51:69].astype(int)  # 120 pixels show 61.95 m
+        assert np.abs(shown.mean(axis=(0, 1)) - middle.mean(axis=(0, 1))).max() < 3
+
+
+def test_terrain_is_compared_pixel_by_pixel_as_any_picture(hill):
+    found = md.compare(hill, ["exaggerated"], lights=["northwest"], size=(120, 120), per_pixel=True)
+    assert "one_light" not in found.options[0]
+    assert 0 < found.scores[0, 0] <= 1
+
+
+def test_a_mesh_has_no_factor_of_heights(ball):
+    with pytest.raises(MeshdepictError, match="z_factor is about a height field"):
+        md.compare(ball, ["lambert"], z_factor=2)

@@ -270,6 +270,80 @@ def test_what_is_no_height_field_is_refused():
         image.depict.lambert(scalars="holes")
 
 
+def ground(even=True):
+    i, j = np.meshgrid(np.arange(30), np.arange(20), indexing="ij")
+    x, y = 0.5 * i, 0.25 * j
+    if not even:
+        x = x**1.1
+    z = np.sin(x) + 0.3 * np.cos(3 * y)
+    return pv.StructuredGrid(*(a[..., None] for a in (x, y, z)))
+
+
+def test_an_even_structured_grid_is_the_height_field_that_an_image_is(spaces):
+    grid = ground()
+    before = grid.copy()
+    result = grid.depict.exaggerated(scales=2, light="north")
+    assert isinstance(result, pv.StructuredGrid)
+    assert result.dimensions == grid.dimensions
+    np.testing.assert_array_equal(result.points, grid.points)
+    image = waves().depict.exaggerated(scales=2, light="north")
+    np.testing.assert_allclose(
+        result["depict_exaggerated"], image["depict_exaggerated"], rtol=0, atol=1e-5
+    )
+    assert grid == before
+    assert result.active_scalars_name == "RGB"
+    result.depict.exaggerated(scales=2)  # goes on with the same normals
+    assert len(spaces) == 2
+    grid.points[:, 2] *= 2
+    grid.GetPoints().Modified()
+    grid.depict.exaggerated(scales=2)
+    assert len(spaces) == 3
+
+
+def test_points_without_a_height_are_grey():
+    grid = ground()
+    grid.points[[0, 45], 2] = np.nan
+    result = grid.depict.lambert()
+    assert (result["RGB"][[0, 45]] == 127).all()
+    assert np.isfinite(result["depict_lambert"]).all()
+
+
+def test_an_uneven_structured_grid_is_a_sheet():
+    grid = ground(even=False)
+    result = grid.depict.lambert(light=(0, 0, 1))
+    assert isinstance(result, pv.StructuredGrid)
+    surface = grid.extract_surface(algorithm="geometry")
+    np.testing.assert_allclose(
+        result["depict_lambert"], surface.depict.lambert(light=(0, 0, 1))["depict_lambert"],
+        atol=1e-6,
+    )  # fmt: skip
+    with pytest.raises(MeshdepictError, match="z_factor is about a height field"):
+        grid.depict.lambert(z_factor=2)
+
+
+def test_heights_are_raised_by_a_factor(spaces):
+    image = waves()
+    raised = image.depict.lambert(z_factor=3)
+    image["height"] = image["height"] * 3
+    np.testing.assert_array_equal(raised["RGB"], image.depict.lambert()["RGB"])
+    assert any("z factor: 3" in line for line in raised.field_data["meshdepict"])
+    again = waves()
+    again.depict.lambert()
+    again.depict.lambert(z_factor=3)
+    again.depict.lambert(z_factor=3, light="east")
+    assert len(spaces) == 4  # two for the factors, and those before
+
+
+def test_terrain_of_pyvista_is_baked_as_a_height_field():
+    image = waves()
+    for dataset in (image, ground()):
+        baked = md.bake(dataset, "lambert")
+        assert baked.shape.kind == "height field"
+        np.testing.assert_allclose(
+            baked.intensity, image.depict.lambert()["depict_lambert"], atol=1e-6
+        )
+
+
 # --- volumes --------------------------------------------------------------------------------------
 
 
