@@ -45,7 +45,7 @@ _WIDE = (1.0, 20.0)
 _NARROWER = 0.3  # copies than the narrowest cell head-on needs, for those cells
 # Lobes are wider before lights are aligned. Where alignment is mild it is undone from samples in
 # the lobe; a strong one leads so many lights to one place that those about the lobe are aligned.
-_MORE_UNDONE, _MORE_UNDONE_AT_RIM = 2, 1.75
+_MORE_UNDONE, _MORE_UNDONE_AT_RIM = 1.78, 1.67  # 96 and 160 of 54: whole registers
 _MORE_ALIGNED = 4
 _MILD = 0.1  # of an angle to the guide is left by all strengths together
 
@@ -155,12 +155,12 @@ def aligned_lobes(
 
 
 def _parts(
-    kind: int, count: int, at_rim: float = _MORE_AT_RIM
+    kind: int, count: float, at_rim: float = _MORE_AT_RIM
 ) -> list[tuple[tuple[float, float], int]]:
     """Return how many samples points have, by their cosine to the eye."""
     if not half_vector_axis(kind):
-        return [((-1.0, 2.0), count)]
-    return [((_RIM, 2.0), count), ((-1.0, _RIM), int(at_rim * count))]
+        return [((-1.0, 2.0), int(count))]
+    return [((_RIM, 2.0), int(count)), ((-1.0, _RIM), int(at_rim * count))]
 
 
 def _summed(
