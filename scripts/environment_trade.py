@@ -1,11 +1,11 @@
 """Measure how far sampled environments are off, by panorama, method and number of samples.
 
-    python scripts/environment_trade.py FOLDER MESH > table.md      # about ten minutes
+    python scripts/environment_trade.py FOLDER MESH > table.md      # about an hour
 
 FOLDER holds panoramas (.hdr), each scaled to a mean of one half. Prints Markdown, which
 docs/environments.md shows: root mean square errors in grey levels over a thousand vertices, against
-lights for every pixel of the panorama at 512 × 256 (Local Light Alignment: 4,096 lights), and the
-time of shading the whole mesh by one thread over that of as many lights without any lobe.
+lights for every pixel of the panorama at 512 × 256, and the time of shading the whole mesh by one
+thread over that of as many lights without any lobe.
 """
 
 from __future__ import annotations
@@ -90,8 +90,7 @@ def main() -> None:
         light = panorama(file)
         all_lights = every_pixel(light)
         for name, (function, options) in CASES.items():
-            dense = light.lights(4096) if name.startswith("light_alignment") else all_lights
-            exact = levels(function(space, dense, **options))
+            exact = levels(function(space, all_lights, **options))
 
             def error(found: Any, exact: Any = exact) -> float:
                 return float(np.sqrt(np.mean((levels(found) - exact) ** 2)))

@@ -20,6 +20,7 @@ from meshdepict.color import colormaps2d
 from meshdepict.errors import MeshdepictError, MeshdepictWarning
 from meshdepict.options import check, options_of, real
 from meshdepict.scales.ladder import FACING, TOLERANCE
+from meshdepict.scene.environment import SAMPLINGS
 from meshdepict.scene.names import Lighting, LightsLike, as_light, as_lighting, as_view
 from meshdepict.scene.upright import upright
 from meshdepict.scene.view import View
@@ -77,6 +78,8 @@ class Choices:
         For some methods also "studio", "key-and-fill", a sequence of these, or an Environment or
         its file (.hdr). Names and angles refer to the view. Unless given, what the method declares:
         northwest, and lights that show what it is for where one would not.
+    sampling : {"lobes", "lights"}
+        How a panorama's file is: see `Environment`.
     view : str or View
         "front", "top", …; fitted to the shape. "auto" takes the one that shows most of it; see
         `shapes.standing`. Of a height field "front" and "auto" are the map: from above, north up.
@@ -124,6 +127,11 @@ class Choices:
         "A name (north, northeast, … northwest, front), azimuth,elevation in degrees, x,y,z; where "
         "a method takes several also studio, key-and-fill, a panorama.hdr, or some parted by "
         "semicolons. [default: what the method asks for, mostly northwest]",
+    )
+    sampling: Literal["lobes", "lights"] = _choice(
+        "lobes",
+        "A panorama.hdr: lobes samples narrow highlights where they are; lights cuts all of it "
+        "into lights, as version 0.1 did.",
     )
     view: str | View = _choice(
         "front",
@@ -229,6 +237,8 @@ class Choices:
             )
         if not 0 < (real(self.z_factor) or 0) <= 1e6:
             raise MeshdepictError(f"z_factor={self.z_factor!r} is not a number above 0 up to 1e6")
+        if not isinstance(self.sampling, str) or self.sampling not in SAMPLINGS:
+            raise MeshdepictError(f"sampling={self.sampling!r} is neither 'lobes' nor 'lights'")
         if not isinstance(self.two_sided, bool):
             raise MeshdepictError(f"two_sided={self.two_sided!r} is neither True nor False")
 
@@ -313,7 +323,7 @@ class Choices:
         """
         if self.colormap2d is not None:
             return as_light(self.lit_by, view)
-        return as_lighting(self.lit_by, view, up=self.axis(kind))
+        return as_lighting(self.lit_by, view, up=self.axis(kind), sampling=self.sampling)
 
     def reads(self, last: int) -> Reads:
         """Return what the method reads of a scale space with so many smoothed sets."""

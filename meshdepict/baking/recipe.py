@@ -35,7 +35,8 @@ _MARK = "# meshdepict recipe"
 def load_recipe(path: str | os.PathLike[str]) -> dict[str, Any]:
     """Read a recipe as keyword arguments of `bake`: ``bake(mesh, **load_recipe("look.toml"))``.
 
-    Files that it names are looked for in its own folder, and below.
+    Files that it names are looked for in its own folder, and below. Where it does not say how a
+    panorama is sampled, it is as version 0.1 did.
 
     Raises
     ------
@@ -77,7 +78,13 @@ def load_recipe(path: str | os.PathLike[str]) -> dict[str, Any]:
         read["light"] = _rig(path, read["light"])
     if isinstance(read.get("light"), list):
         read["light"] = tuple(read["light"])
+    if "sampling" not in read and _is_panorama(read.get("light")):
+        read["sampling"] = "lights"  # of version 0.1, which had nothing else
     return located({**read, **options}, function, path)
+
+
+def _is_panorama(light: object) -> bool:
+    return isinstance(light, str) and light.lower().endswith(".hdr")
 
 
 def _finite(text: str) -> float:

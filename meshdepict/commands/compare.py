@@ -22,6 +22,7 @@ _KINDS = {"-o": ".png", "--csv": ".csv", "--html": ".html"}
     without=(
         "method",
         "light",
+        "sampling",
         "colormap",
         "colormap2d",
         "transfer",

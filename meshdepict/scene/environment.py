@@ -33,14 +33,17 @@ from meshdepict.scene.equirectangular import (
     to_world,
 )
 from meshdepict.scene.light import Light
-from meshdepict.scene.parts import compact_parts, summed
+from meshdepict.scene.parts import compact_parts, median_parts, summed
 from meshdepict.scene.upright import upright
 
-__all__ = ["LUMINANCE", "Environment"]
+__all__ = ["LUMINANCE", "SAMPLINGS", "Environment"]
 
 Floats = NDArray[Any]
 
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722])  # of linear sRGB primaries
+
+SAMPLINGS = ("lobes", "lights")
+"""How an environment may be sampled."""
 
 # Ramamoorthi and Hanrahan 2001: what a cosine keeps of each order of spherical harmonics.
 _COSINE = (math.pi, 2 * math.pi / 3, math.pi / 4)
@@ -58,9 +61,14 @@ class Environment:
         Which axis of the world points up.
     name : str
         What a caption calls it.
+    sampling : {"lobes", "lights"}
+        "lobes": lights stand for it where surfaces are matt, and narrow highlights are sampled
+        where they are. "lights": version 0.1's lights, by median cut, stand for all of it.
     """
 
-    def __init__(self, pixels: ArrayLike, *, up: str = "y", name: str = "") -> None:
+    def __init__(
+        self, pixels: ArrayLike, *, up: str = "y", name: str = "", sampling: str = "lobes"
+    ) -> None:
         try:
             array = np.array(pixels, np.float32)
         except (TypeError, ValueError, OverflowError):
@@ -70,13 +78,16 @@ class Environment:
         if not np.isfinite(array).all() or (array < 0).any():
             raise MeshdepictError("an environment's pixels must be finite and not negative")
         upright(up)  # refuses what can't be up
+        if not isinstance(sampling, str) or sampling not in SAMPLINGS:
+            raise MeshdepictError(f"sampling={sampling!r} is neither 'lobes' nor 'lights'")
         array.setflags(write=False)
         self.pixels = array
         self.up = up
         self.name = name
+        self.sampling = sampling
 
     @classmethod
-    def from_file(cls, path: str | Path, *, up: str = "y") -> Environment:
+    def from_file(cls, path: str | Path, *, up: str = "y", sampling: str = "lobes") -> Environment:
         """Read a Radiance picture (.hdr), latitude by longitude.
 
         Raises
@@ -86,7 +97,8 @@ class Environment:
         """
         if not isinstance(path, (str, Path)):
             raise MeshdepictError(f"an environment's file is given by its path, not as {path!r}")
-        return cls(read_radiance(Path(path)), up=up, name=Path(path).stem)
+        pixels = read_radiance(Path(path))
+        return cls(pixels, up=up, name=Path(path).stem, sampling=sampling)
 
     def __str__(self) -> str:
         """Return name and size."""
@@ -124,7 +136,8 @@ class Environment:
         """Return directional lights that stand for the environment.
 
         The picture is cut into parts whose light comes from nearly one direction each
-        (`meshdepict.scene.parts.compact_parts`), and each becomes a light at its centroid.
+        (`meshdepict.scene.parts.compact_parts`), and each becomes a light at its centroid. Where
+        `sampling` is "lights", parts have equal power, as version 0.1 cut them.
 
         Parameters
         ----------
@@ -139,6 +152,8 @@ class Environment:
         number = real(count)
         if number is None or not 1 <= number <= 1_000_000 or not number.is_integer():
             raise MeshdepictError(f"count={count!r} is not a number of lights")
+        if self.sampling == "lights":
+            return self._median_lights(int(count))
         table = self._table
         lights = []
         for number, part in enumerate(compact_parts(table[..., :4], int(count))):
@@ -150,6 +165,22 @@ class Environment:
             name = f"{self.name or 'environment'} {number + 1}"
             color = np.maximum(total[4:], 0) / math.pi
             lights.append(Light(to_world(centroid, self.up), name, color))
+        return lights
+
+    def _median_lights(self, count: int) -> list[Light]:
+        """Return the lights of version 0.1."""
+        flux = self.pixels * self._solid_angles[..., None]
+        power = flux @ LUMINANCE
+        lights = []
+        for number, part in enumerate(median_parts(power, self._solid_angles, count)):
+            rows, columns = slice(*part[:2]), slice(*part[2:])
+            weight = power[rows, columns]
+            towards = self._directions[rows, columns]
+            centroid = np.einsum("hw,hwa->a", weight, towards)
+            if np.linalg.norm(centroid) <= 1e-9 * weight.sum():  # black, or all round
+                centroid = towards[weight.shape[0] // 2, weight.shape[1] // 2]
+            color = flux[rows, columns].sum(axis=(0, 1), dtype=np.float64) / math.pi
+            lights.append(Light(centroid, f"{self.name or 'environment'} {number + 1}", color))
         return lights
 
     @cached_property

@@ -147,14 +147,16 @@ def parted(light: LightsLike, view: View | None = None) -> tuple[list[Light], li
     return [one for lights, _ in parts for one in lights], [e for _, found in parts for e in found]
 
 
-def as_lighting(light: LightsLike, view: View | None = None, *, up: str = "y") -> Lighting:
+def as_lighting(
+    light: LightsLike, view: View | None = None, *, up: str = "y", sampling: str = "lobes"
+) -> Lighting:
     """Return what a bake is lit by: a `Light`, `Lights`, or an Environment as it is.
 
     "studio" and "key-and-fill" are `Rig`s. A text that ends in ".hdr" is an Environment's file,
-    whose up is that of the shape.
+    whose up is that of the shape; `sampling` is about it alone.
     """
     if isinstance(light, str) and light.lower().endswith(".hdr"):
-        return Environment.from_file(light, up=up)
+        return Environment.from_file(light, up=up, sampling=sampling)
     if isinstance(light, (Environment, Rig)):
         return light
     if isinstance(light, str) and light in RIGS:

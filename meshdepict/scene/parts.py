@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["compact_parts", "summed"]
+__all__ = ["compact_parts", "median_parts", "summed"]
 
 Floats = NDArray[Any]
 Part = tuple[int, int, int, int]  # first row, row after the last; the same of columns
@@ -59,6 +59,57 @@ def compact_parts(table: NDArray[np.float64], count: int) -> list[Part]:
         part = heapq.heappop(heap)[2]
         for half in _halves(table, part):
             heapq.heappush(heap, entry(half))
+    return [part for _, _, part in sorted(heap)]
+
+
+def median_parts(
+    power: NDArray[np.float64], solid_angles: NDArray[np.float64], count: int
+) -> list[Part]:
+    """Cut a picture into parts of about equal power (median cut, Debevec 2005): version 0.1.
+
+    Again and again the part with the most power, across its longer side, into halves.
+
+    Parameters
+    ----------
+    power, solid_angles : (h, w), (h, 1) arrays
+    count : int
+
+    Returns
+    -------
+    list
+        Fewer than ``count`` where there are fewer pixels.
+    """
+    height, width = power.shape
+    # What has no light at all is cut too, if it comes to that: by solid angle.
+    least = 1e-12 * max(float(power.sum()), 1e-300) / (4 * math.pi)
+    mass = np.zeros((height + 1, width + 1))
+    mass[1:, 1:] = (power + least * solid_angles).cumsum(axis=0).cumsum(axis=1)
+
+    def total(r0: int, r1: int, c0: int, c1: int) -> float:
+        return float(mass[r1, c1] - mass[r0, c1] - mass[r1, c0] + mass[r0, c0])
+
+    def entry(part: Part) -> tuple[bool, float, Part]:
+        single = part[1] - part[0] == 1 and part[3] - part[2] == 1
+        return (single, -total(*part), part)  # single pixels go last: they can't be cut
+
+    heap = [entry((0, height, 0, width))]
+    while len(heap) < count and not heap[0][0]:
+        r0, r1, c0, c1 = heapq.heappop(heap)[2]
+        middle = math.sin(math.pi * (r0 + r1) / 2 / height)
+        tall = (r1 - r0) / height * math.pi, (c1 - c0) / width * 2 * math.pi * middle
+        by_rows = c1 - c0 == 1 or (r1 - r0 > 1 and tall[0] >= tall[1])
+        if by_rows:
+            before = mass[r0 : r1 + 1, c1] - mass[r0 : r1 + 1, c0]
+        else:
+            before = mass[r1, c0 : c1 + 1] - mass[r0, c0 : c1 + 1]
+        half = (before[0] + before[-1]) / 2
+        cut = 1 + int(np.argmin(np.abs(before[1:-1] - half)))
+        if by_rows:
+            parts = (r0, r0 + cut, c0, c1), (r0 + cut, r1, c0, c1)
+        else:
+            parts = (r0, r1, c0, c0 + cut), (r0, r1, c0 + cut, c1)
+        for part in parts:
+            heapq.heappush(heap, entry(part))
     return [part for _, _, part in sorted(heap)]
 
 

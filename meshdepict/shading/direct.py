@@ -26,6 +26,7 @@ from meshdepict.scene.material import (
 )
 from meshdepict.scene.vectors import cosines
 from meshdepict.shading.features import Frames, Scaling
+from meshdepict.shading.lobes import needs_samples
 from meshdepict.shading.material_kinds import (
     ASHIKHMIN_SHIRLEY,
     COOK_TORRANCE,
@@ -65,8 +66,8 @@ def direct(
     material : Material
         One that lights shine on.
     environments : sequence of Environment
-        Each is cut into ``count`` lights for the diffuse term; highlights have as many samples in
-        the lobe of every point (`meshdepict.shading.lobes`).
+        Each is cut into ``count`` lights; highlights that those don't serve have as many samples
+        in the lobe of every point (`meshdepict.shading.lobes`).
     count : int
     frames : Frames, optional
         Curvature, needed for the next two.
@@ -80,17 +81,19 @@ def direct(
     """
     kind, parameters = kernel_parameters(material)
     settings: Any = {"frames": frames, "warping": warping, "scaling": scaling}
-    cut = [light for environment in environments for light in environment.lights(count)]
-    if cut and kind >= PHONG and parameters[1] > 0:
+    glossy = [e for e in environments if needs_samples(e, kind, parameters)]
+    lights = [*lights, *(x for e in environments if e not in glossy for x in e.lights(count))]
+    if glossy:
         from meshdepict.shading.lobes import lobes
         from meshdepict.shading.many_lights_kernel import sum_lights
 
+        cut = [light for environment in glossy for light in environment.lights(count)]
         directions = np.array([light.direction for light in cut], np.float32)
         total = sum_lights(
             space.planes_at(0), eyes, directions, kernel_colors([light.color for light in cut]),
             kind, parameters, highlights=False, **settings,
         )  # fmt: skip
-        for environment in environments:
+        for environment in glossy:
             total = total + lobes(
                 space.planes_of((0,)), eyes, environment, kind, parameters, count=count, **settings
             )
@@ -98,7 +101,6 @@ def direct(
             own = direct(space, lights, eyes, material, **settings)
             total = total + (own if own.ndim == 2 else own[:, None])
         return squeezed(total)
-    lights = [*lights, *cut]
     scaled = frames is not None and bool(scaling.diffuse or scaling.specular)
     if len(lights) <= _FEW and not scaled:
         return _few(space, lights, eyes, material, frames if warping else None, warping)

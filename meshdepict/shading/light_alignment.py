@@ -29,8 +29,7 @@ from meshdepict.scene.names import LightsLike, parted
 from meshdepict.scene.view import View
 from meshdepict.shading.direct import kernel_parameters
 from meshdepict.shading.features import LightCount, Parameter, eyes, sight
-from meshdepict.shading.lobes import aligned_lobes
-from meshdepict.shading.material_kinds import PHONG
+from meshdepict.shading.lobes import aligned_lobes, needs_samples
 from meshdepict.shading.method import Exposure, exposed, method, require_smoothing
 from meshdepict.shading.seen_through import background_light, transmitted_guides
 from meshdepict.shading.transmission import rough_transmission
@@ -266,21 +265,21 @@ def light_alignment(
     total = np.full((len(space.points), 1), ambient_term(surface), np.float32)
     lamps, environments = parted(light, eye)
     kind, parameters = kernel_parameters(surface)
-    sampled = bool(environments) and kind >= PHONG and bool(parameters[1] > 0)
-    cut = [lamp for environment in environments for lamp in environment.lights(lights)]
-    for number, lamp in enumerate([*lamps, *cut]):
-        color = lamp.color.astype(np.float32)
-        ours = {
-            n: t for n, t in terms.items() if n != "glossy" or not sampled or number < len(lamps)
-        }
-        shaded = np.sum([term(lamp.direction) for term in ours.values()], axis=0)
-        total = total + shaded[:, None] * (color[:1] if np.ptp(color) == 0 else color)
-    if sampled:
-        for environment in environments:
-            total = total + aligned_lobes(
-                normals, eyes(space, eye), environment, kind, parameters,
-                count=lights, sharpness=sharpness, strengths=glossy_strength,
-            )  # fmt: skip
+    sampled = [e for e in environments if needs_samples(e, kind, parameters)]
+    matt = {name: term for name, term in terms.items() if name != "glossy"}
+    for group, shown in (
+        (lamps, terms),
+        *((e.lights(lights), matt if e in sampled else terms) for e in environments),
+    ):
+        for lamp in group:
+            color = lamp.color.astype(np.float32)
+            shaded = np.sum([term(lamp.direction) for term in shown.values()], axis=0)
+            total = total + shaded[:, None] * (color[:1] if np.ptp(color) == 0 else color)
+    for environment in sampled:
+        total = total + aligned_lobes(
+            normals, eyes(space, eye), environment, kind, parameters,
+            count=lights, sharpness=sharpness, strengths=glossy_strength,
+        )  # fmt: skip
     if background:
         own = normals[0]
         for sky in environments or (None,):

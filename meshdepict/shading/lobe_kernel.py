@@ -6,7 +6,8 @@ import math
 
 import numpy as np
 
-from meshdepict.shading.alignment_kernel import arc_tangent, exactly_rotated, rotated
+from meshdepict.shading.alignment_kernel import arc_tangent
+from meshdepict.shading.lobe_alignment_kernel import align_samples, guides, undo
 from meshdepict.shading.material_kernel import FAINT, specular, specular_of_halves
 from meshdepict.shading.scaling_kernel import MOST_EXPONENT, factors
 from meshdepict.shading.warping_kernel import stretch, turned
@@ -18,6 +19,12 @@ _ZERO, _HALF, _ONE, _TWO = np.float32(0), np.float32(0.5), np.float32(1), np.flo
 _TINY = np.float32(1e-30)
 _PI = np.float32(math.pi)
 _MOST_PARTS = 2
+_WIDE = 16  # samples that go through vector registers together; those left over take ten times it
+
+
+@kernel("contracted", inline=True)
+def _padded(count):  # type: ignore[no-untyped-def]
+    return (count + _WIDE - 1) // _WIDE * _WIDE
 
 
 @kernel("contracted")
@@ -43,21 +50,6 @@ def _mirrored(ex, ey, ez, ne, nh, x, y, z, weight, seen, cosine):  # type: ignor
         weight[k] *= np.float32(4) * under
         seen[k] = under
         cosine[k] = twice * nh[k] - ne
-
-
-@kernel("contracted")
-def _aligned(g, m, strength, fade, exact, x, y, z):  # type: ignore[no-untyped-def]
-    """Align samples with a guide g over a base m."""
-    if exact:
-        for k in range(len(x)):
-            x[k], y[k], z[k] = exactly_rotated(
-                g[0], g[1], g[2], m[0], m[1], m[2], strength, fade,
-                np.float64(x[k]), np.float64(y[k]), np.float64(z[k]),
-            )  # fmt: skip
-        return
-    g0, g1, g2, m0, m1, m2 = g[0], g[1], g[2], m[0], m[1], m[2]
-    for k in range(len(x)):
-        x[k], y[k], z[k] = rotated(g0, g1, g2, m0, m1, m2, strength, fade, x[k], y[k], z[k])
 
 
 @kernel("contracted")
@@ -142,8 +134,8 @@ def _on_picture(to_picture, x, y, z):  # type: ignore[no-untyped-def]
 @kernel("contracted")
 def sum_lobes(  # type: ignore[no-untyped-def]
     planes, eyes, kind, parameters, halves, ku, kv, u, v, z, numbers, strengths, fade, exact,
-    cosines, solids, turns, lobe, texels, starts, rows, columns, upright, widest, between, out,
-    begin, end,
+    undone, cosines, solids, turns, lobe, texels, starts, rows, columns, upright, widest, between,
+    out, begin, end,
 ):  # fmt: skip
     """Write Σ_k ρ_s scaling L dl_k / π into `out` (n, 3), k running over the samples.
 
@@ -153,6 +145,9 @@ def sum_lobes(  # type: ignore[no-untyped-def]
         Normals; with strengths (S − 1,) those of every scale, for Local Light Alignment.
     halves : bool
         Whether samples are half vectors.
+    undone : bool
+        Whether samples lie in the lobe and the chain is undone to find where their light comes
+        from; else they are lights that go through it.
     numbers : (5,) array
         Warping and scaling, as `many_lights_kernel.sum_lights` has them.
     upright : (3, 3) array
@@ -168,8 +163,9 @@ def sum_lobes(  # type: ignore[no-untyped-def]
     framed = curved and (warping != _ZERO or anisotropy != _ZERO)
     scaled = curved and numbers[2] != _ZERO
     aligned = len(strengths) > 0
+    forward = aligned and not undone
     local = np.empty((3, count), np.float32)
-    most = count * (_MOST_PARTS if halves else 1)
+    most = _padded(count * (_MOST_PARTS if halves else 1))
     arriving, solid = np.empty((3, most), np.float32), np.empty(most, np.float32)
     value, ratio = np.empty(most, np.float32), np.empty(most, np.float32)
     bits, place = ratio.view(np.int32), np.empty(most, np.int32)
@@ -231,16 +227,14 @@ def sum_lobes(  # type: ignore[no-untyped-def]
             _mirrored(
                 ex, ey, ez, ne, cosines[row], local[0], local[1], local[2], weight, seen, cosine
             )
-        if aligned:
+        if forward:
             arriving[:, :count] = local
-        for scale in range(len(strengths) - 1, -1, -1):
-            if strengths[scale] > 0:
-                # The mirrored lines of sight of two scales: guide and base.
-                for guide, at in ((axis, scale), (side, scale + 1)):
-                    n0, n1, n2 = planes[at, 0, i], planes[at, 1, i], planes[at, 2, i]
-                    d = _TWO * (n0 * ex + n1 * ey + n2 * ez)
-                    guide[0], guide[1], guide[2] = d * n0 - ex, d * n1 - ey, d * n2 - ez
-                _aligned(axis, side, strengths[scale], fade, exact, local[0], local[1], local[2])
+            for scale in range(len(strengths) - 1, -1, -1):
+                if strengths[scale] > 0:
+                    guides(planes, scale, i, ex, ey, ez, axis, side)
+                    align_samples(
+                        axis, side, strengths[scale], fade, exact, local[0], local[1], local[2]
+                    )
         if halves:
             specular_of_halves(kind, parameters, lobe[row], cosines[row], seen, cosine, ne, term)
             delta[:] = cosines[row]
@@ -257,7 +251,7 @@ def sum_lobes(  # type: ignore[no-untyped-def]
         for k in range(count):
             shown = term[k] * factor[k] * weight[k]
             if shown > _ZERO and not (aligned and cosine[k] <= _ZERO):
-                of = arriving if aligned else local
+                of = arriving if forward else local
                 x, y, w = of[0, k], of[1, k], of[2, k]
                 arriving[0, met], arriving[1, met], arriving[2, met] = x, y, w
                 solid[met], value[met] = weight[k], shown
@@ -268,9 +262,18 @@ def sum_lobes(  # type: ignore[no-untyped-def]
                 ex, ey, ez, nx, ny, nz, met, seen, arriving[0], arriving[1], arriving[2], solid,
                 value,
             )  # fmt: skip
+        filled = _padded(met)
+        for k in range(met, filled):
+            arriving[0, k], arriving[1, k], arriving[2, k] = ex, ey, ez
+            solid[k], value[k] = _ONE, _ZERO
+        met = filled
         lx, ly, lz = arriving[0, :met], arriving[1, :met], arriving[2, :met]
         if warping != _ZERO:
             _warped(scale_u, scale_v, nx, ny, nz, lx, ly, lz, solid, value)
+        for scale in range(len(strengths) if undone else 0):
+            if strengths[scale] > 0:
+                guides(planes, scale, i, ex, ey, ez, axis, side)
+                undo(axis, side, strengths[scale], fade, lx, ly, lz, solid[:met], value[:met])
         _places(to_picture, lx, ly, lz, solid, widest, starts, rows, columns, ratio, bits, place)
         red, green, blue = _ZERO, _ZERO, _ZERO
         for k in range(met):

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from meshdepict.scene.blurs import WIDEST
 from meshdepict.scene.environment import Environment
 from meshdepict.scene.upright import upright
+from meshdepict.shading.alignment_kernel import SINGLE
 from meshdepict.shading.features import Frames, Scaling
 from meshdepict.shading.lobe_tables import (
     LobeTables,
@@ -23,9 +24,10 @@ from meshdepict.shading.lobe_tables import (
     half_vector_axis,
     lobe_tables,
 )
+from meshdepict.shading.material_kinds import PHONG
 from meshdepict.threads import each, spans, thread_count
 
-__all__ = ["aligned_lobes", "lobes"]
+__all__ = ["aligned_lobes", "lobes", "needs_samples"]
 
 Single = NDArray[np.float32]
 
@@ -36,9 +38,36 @@ _SPREAD = 0.25
 # Points that are seen at a smaller cosine have more samples: half vectors crowd round the horizon
 # there and half of them fall below it. Chosen by error and cost on the bunny.
 _RIM = 0.3
-_MORE_AT_RIM = 3
+_MORE_AT_RIM = 3.0
+# Exponents of Phong's lobe that lights serve: at 20 it is half as bright at 15°, below 1 it ends in
+# an edge. Measured on four panoramas, docs/environments.md.
+_WIDE = (1.0, 20.0)
 _NARROWER = 0.3  # copies than the narrowest cell head-on needs, for those cells
-_MORE_ALIGNED = 4  # lobes are wider before lights are aligned
+# Lobes are wider before lights are aligned. Where alignment is mild it is undone from samples in
+# the lobe; a strong one leads so many lights to one place that those about the lobe are aligned.
+_MORE_UNDONE, _MORE_UNDONE_AT_RIM = 1.78, 1.67  # 96 and 160 of 54: whole registers
+_MORE_ALIGNED = 4
+_MILD = 0.1  # of an angle to the guide is left by all strengths together
+
+
+def needs_samples(environment: Environment, kind: int, parameters: Single) -> bool:
+    """Whether highlights are sampled; else the lights that stand for the environment serve them.
+
+    That is a question of the lobe's width where it is narrowest. Phong's is the same everywhere:
+    up to an exponent of 20 lights are within a grey level if the matt term has as much weight, and
+    below 1 it ends in an edge. Those of facets get as narrow as the line of sight gets flat,
+    however rough they are.
+
+    Parameters
+    ----------
+    environment : Environment
+    kind, parameters
+        As `meshdepict.shading.direct.kernel_parameters` returns them.
+    """
+    if environment.sampling == "lights" or kind < PHONG or not parameters[1] > 0:
+        return False
+    diffuse, specular, exponent = parameters.tolist()
+    return kind != PHONG or specular > diffuse or not _WIDE[0] <= exponent <= _WIDE[1]
 
 
 def lobes(
@@ -92,34 +121,46 @@ def aligned_lobes(
     strengths: NDArray[np.float64],
     sharpness: float,
 ) -> Single:
-    """Return Σ ρ_s L over the lobe of every point, each sample a light that is aligned first.
+    """Return Σ ρ_s L over the lobe of every point, whose light is aligned before.
 
     Parameters
     ----------
     normals : (S, 3, n) array
         Of every scale.
     count : int
-        A quarter of the samples: lobes are wider before alignment.
+        Half of the samples or a quarter: lobes are wider before alignment.
     strengths : (S − 1,) array
         Finest first.
     sharpness : float
         γ.
     """
+    undone = sharpness <= SINGLE and float(np.prod(1 - strengths)) >= _MILD
+    parts = (
+        _parts(kind, _MORE_UNDONE * count, _MORE_UNDONE_AT_RIM)
+        if undone
+        else _parts(kind, _MORE_ALIGNED * count)
+    )
     total = np.zeros((normals.shape[2], 1), np.float32)
-    for between, samples in _parts(kind, _MORE_ALIGNED * count):
+    for between, samples in parts:
+        tables = (
+            lobe_tables(kind, parameters, Scaling(), samples)
+            if undone
+            else aligned_tables(kind, parameters, strengths, samples)
+        )
         total = total + _summed(
-            normals, eyes, environment, kind, parameters,
-            aligned_tables(kind, parameters, strengths, samples), between=between,
-            strengths=strengths, sharpness=sharpness,
+            normals, eyes, environment, kind, parameters, tables, between=between,
+            strengths=strengths, sharpness=sharpness, undone=undone,
         )  # fmt: skip
     return total
 
 
-def _parts(kind: int, count: int) -> list[tuple[tuple[float, float], int]]:
+def _parts(
+    kind: int, count: float, at_rim: float = _MORE_AT_RIM
+) -> list[tuple[tuple[float, float], int]]:
     """Return how many samples points have, by their cosine to the eye."""
     if not half_vector_axis(kind):
-        return [((-1.0, 2.0), count)]
-    return [((_RIM, 2.0), count), ((-1.0, _RIM), _MORE_AT_RIM * count)]
+        return [((-1.0, 2.0), int(count))]
+    return [((_RIM, 2.0), int(count)), ((-1.0, _RIM), int(at_rim * count))]
 
 
 def _summed(
@@ -136,9 +177,12 @@ def _summed(
     scaling: Scaling = Scaling(),  # noqa: B008 (immutable)
     strengths: NDArray[np.float64] | None = None,
     sharpness: float = 0.0,
+    undone: bool = False,
 ) -> Single:
-    """Return the sum over given samples; with strengths, each is aligned before it is shaded."""
-    from meshdepict.shading.alignment_kernel import SINGLE
+    """Return the sum over given samples; with strengths, each is aligned before it is shaded.
+
+    Or it is shaded where it lies, and alignment is undone.
+    """
     from meshdepict.shading.lobe_kernel import sum_lobes
 
     count = normals.shape[2]
@@ -146,7 +190,7 @@ def _summed(
     if frames is None:
         none, frame = np.empty(0, np.float32), np.empty((0, 3), np.float32)
         frames = Frames(none, none, frame, frame, frame)
-    halves = half_vector_axis(kind) and strengths is None
+    halves = half_vector_axis(kind) and (strengths is None or undone)
     exact = sharpness > SINGLE
     precision = np.float64 if exact else np.float32
     widest = np.float32(WIDEST**2 / _SPREAD * math.sqrt(2))
@@ -156,7 +200,7 @@ def _summed(
         normals, eyes, kind, parameters, halves, *frames,
         np.array([warping, *scaling], np.float32),
         np.zeros(0, precision) if strengths is None else strengths.astype(precision),
-        precision(math.exp(-sharpness)), exact, *tables, *blurs,
+        precision(math.exp(-sharpness)), exact, undone, *tables, *blurs,
         np.ascontiguousarray(upright(environment.up).T, np.float32), widest,
         np.array(between, np.float32),
     )  # fmt: skip

@@ -189,7 +189,8 @@ class Session:
 
     def shine(self, light: LightsLike) -> None:
         """Change the light: anything that `bake` takes."""
-        self.light, self._lit_from = as_lighting(light, self.view, up=self.up), None
+        self.light = as_lighting(light, self.view, up=self.up, sampling=self._asked.sampling)
+        self._lit_from = None
         self._baked = None
 
     def drag_light(self, drag: ArrayLike) -> None:

@@ -13,6 +13,7 @@ import meshdepict as md
 from meshdepict.baking.recipe import load_recipe, save_recipe
 from meshdepict.color.transfer import preset
 from meshdepict.errors import MeshdepictError
+from meshdepict.scene.environment import Environment
 from meshdepict.shapes import samples
 
 ROW = bytes((2, 2, 0, 16)) + b"".join(bytes([16] + 16 * [v]) for v in (64, 64, 64, 127))
@@ -148,3 +149,30 @@ def test_numbers_of_thousands_of_digits(folder):
     Path("look.toml").write_text("ratio = " + "9" * 5000)
     with pytest.raises(MeshdepictError, match=r"look\.toml is no recipe in TOML"):
         load_recipe("look.toml")
+
+
+def test_recipes_of_version_0_1_keep_their_pictures_under_a_panorama(looks):
+    """What they lack is what there was: 54 lights by median cut, highlights and all."""
+    path = looks / "look.toml"
+    settings = {"method": "cook_torrance", "light": str(looks / "files" / "sky.hdr")}
+    ball = samples.golf_ball(1_200, dimples=42, depth=0.05)
+    save_recipe(path, settings)
+    assert load_recipe(path)["sampling"] == "lobes"
+    text = path.read_text(encoding="utf-8")
+    path.write_text(text.replace('sampling = "lobes"\n', ""), encoding="utf-8")
+    older = load_recipe(path)
+    assert older["sampling"] == "lights"
+    sky = Environment.from_file(settings["light"], sampling="lights")
+    found = md.bake(ball, **older)
+    expected = md.bake(ball, "cook_torrance", light=sky.lights(54))
+    np.testing.assert_array_equal(found.colors, expected.colors)
+    assert (found.colors != md.bake(ball, **settings).colors).any()
+    save_recipe(path, older, force=True)  # written again it says so
+    assert load_recipe(path)["sampling"] == "lights"
+    (looks / "other.toml").write_text('light = "north"')
+    assert "sampling" not in load_recipe(looks / "other.toml")
+
+
+def test_an_unknown_sampling_is_refused():
+    with pytest.raises(MeshdepictError, match="sampling='cut' is neither 'lobes' nor 'lights'"):
+        md.Look("phong", sampling="cut")

@@ -92,6 +92,23 @@ def test_lights_keep_the_flux_and_are_the_same_every_time(rng, count):
     assert all((a.direction == b.direction).all() for a, b in zip(lights, again, strict=True))
 
 
+def test_version_0_1_cut_into_lights_of_equal_power():
+    pixels = np.zeros((8, 16, 3))
+    pixels[4, 2], pixels[4, 9], pixels[4, 12] = 4, 2, 2
+    older = Environment(pixels, sampling="lights")
+    first, second = older.lights(2)
+    np.testing.assert_allclose(first.color, second.color, rtol=1e-6)
+    np.testing.assert_allclose(first.direction, older._directions[4, 2], atol=1e-6)
+    assert len(older.lights(1000)) == 8 * 16
+    total = sum(light.color for light in older.lights(54))
+    np.testing.assert_allclose(math.pi * total, older.flux, rtol=1e-6)
+
+
+def test_an_unknown_sampling_is_refused():
+    with pytest.raises(MeshdepictError, match="sampling='cut' is neither 'lobes' nor 'lights'"):
+        Environment(np.ones((2, 4, 3)), sampling="cut")
+
+
 def test_more_lights_come_closer_to_the_irradiance(rng):
     environment, normals = smooth(rng), unit(rng, 200)
     exact = exact_irradiance(environment, normals)

@@ -8,6 +8,10 @@ from meshdepict import Environment, scale_space, shading, threads
 from meshdepict.color.srgb import linear_to_srgb
 from meshdepict.scene.light import Light
 from meshdepict.scene.material import AshikhminShirley, CookTorrance, Phong, reflected
+from meshdepict.shading.direct import kernel_parameters
+from meshdepict.shading.light_alignment import align
+from meshdepict.shading.lobe_alignment_kernel import undo
+from meshdepict.shading.lobes import needs_samples
 from meshdepict.shapes import samples
 
 GLOSSY = [
@@ -230,3 +234,82 @@ def test_a_bake_tells_how_far_its_lights_and_samples_are_off(light, method):
     assert 0.4 * true < baked.light_error < 1.5 * true
     assert md.bake(ball, method).light_error is None
     assert md.bake(ball, "exaggerated").light_error is None
+
+
+@pytest.mark.parametrize(("strength", "sharpness"), [(0.3, 3.0), (0.3, 0.0), (0.6, 3.0)])
+@pytest.mark.parametrize("angle", [5.0, 40.0, 130.0])
+def test_a_step_undone_and_done_again_changes_nothing(rng, angle, strength, sharpness):
+    m = rng.normal(size=(20_000, 3))
+    m /= np.linalg.norm(m, axis=1)[:, None]
+    n = np.array([np.sin(np.radians(angle)), 0, np.cos(np.radians(angle))])
+    z = np.array([0, 0, 1.0])
+    back = m.T.astype(np.float32).copy()
+    solid = np.full(len(m), 4 * np.pi / len(m), np.float32)
+    larger = np.ones(len(m), np.float32)
+    undo(
+        n.astype(np.float32), z.astype(np.float32), np.float32(strength),
+        np.float32(np.exp(-sharpness)), *back, solid, larger,
+    )  # fmt: skip
+    again = align(back.T, n, z, strength=strength, sharpness=sharpness)
+    off = np.degrees(np.arccos(np.clip(np.sum(again * m, axis=1), -1, 1)))
+    # By what each stands for. Measured: up to 0.1°; Newton's two steps are short at the other side.
+    assert np.average(off, weights=larger) < 0.3
+    # A step maps the sphere to itself. Measured: 0.987 … 1.000.
+    assert solid.sum() == pytest.approx(4 * np.pi, rel=0.02)
+    np.testing.assert_allclose(solid, larger * (4 * np.pi / len(m)), rtol=1e-5)
+
+
+def test_aligned_facets_are_the_sum_over_every_pixel(space, light):
+    settings = {"material": CookTorrance(0.3, 0.2, 0.3)}
+    dense = shading.light_alignment(space, every_pixel(light), **settings)
+    head_on = np.abs(space.normals[0][:, 2]) > 0.3
+    found, few = (
+        levels(shading.light_alignment(space, lit, **settings)[head_on], dense[head_on])
+        for lit in (light, light.lights(54))
+    )
+    assert found < 2
+    assert found < few / 5
+
+
+@pytest.mark.parametrize("shininess", [1.0, 5.0, 20.0])
+def test_lights_serve_wide_lobes(space, light, shininess):
+    """To a grey level, and the same bits as lights alone."""
+    material = Phong(shininess=shininess)
+    found = shading.radiance_scaling(space, light, material=material)
+    alone = shading.radiance_scaling(space, light.lights(54), material=material)
+    np.testing.assert_array_equal(found, alone)
+    dense = shading.radiance_scaling(space, every_pixel(light), material=material)
+    assert levels(found, dense) < 1
+
+
+@pytest.mark.parametrize(
+    ("material", "sampled"),
+    [
+        (Phong(shininess=20), False),
+        (Phong(shininess=21), True),
+        (Phong(specular=0, shininess=80), False),
+        (Phong(shininess=0), True),
+        (Phong(diffuse=0.2, specular=0.3), True),
+        (CookTorrance(roughness=1.0), True),
+        (CookTorrance(reflectance=0), False),
+        (AshikhminShirley(shininess=2), True),
+        (md.scene.material.Lambert(), False),
+    ],
+    ids=repr,
+)
+def test_which_highlights_are_sampled_is_decided_by_width(light, material, sampled):
+    assert needs_samples(light, *kernel_parameters(material)) is sampled
+    older = Environment(light.pixels, sampling="lights")
+    assert not needs_samples(older, *kernel_parameters(material))
+
+
+@pytest.mark.parametrize(
+    "method", ["cook_torrance", "radiance_scaling", "light_warping", "light_alignment"]
+)
+def test_an_environment_sampled_as_before_is_its_lights(space, light, method):
+    older = Environment(light.pixels, sampling="lights")
+    options = {} if method == "cook_torrance" else {"material": "cook_torrance"}
+    function = shading.METHODS[method]
+    found = function(space, older, **options)
+    np.testing.assert_array_equal(found, function(space, older.lights(54), **options))
+    assert levels(found, function(space, light, **options)) > 1
