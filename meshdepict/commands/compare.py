@@ -24,6 +24,8 @@ _KINDS = {"-o": ".png", "--csv": ".csv", "--html": ".html"}
         "light",
         "colormap",
         "colormap2d",
+        "blend",
+        "tint",
         "transfer",
         "refine",
         "albedo",
