@@ -165,9 +165,9 @@ def kept_blend(blend: object) -> str | tuple[Layer, ...]:
     return blend if isinstance(blend, str) else layers
 
 
-def blend_text(blend: str | Sequence[Layer]) -> str:
-    """Return a blend in words."""
-    return blend if isinstance(blend, str) else ", ".join(map(str, blend))
+def blend_text(layers: Sequence[Layer]) -> str:
+    """Return layers in words."""
+    return ", ".join(map(str, layers))
 
 
 def blend_name(blend: object) -> str:

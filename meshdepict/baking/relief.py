@@ -108,6 +108,12 @@ class Relief:
         if look.refine is not None or look.albedo == "keep":
             word = "refine" if look.refine is not None else "albedo"
             raise MeshdepictError(f"{word} is about a mesh, and this is terrain: leave it out")
+        for word in ("blend", "tint"):
+            if getattr(look, word) is not None:
+                raise MeshdepictError(
+                    f"{word} needs all of the terrain at once, and relief goes window by window: "
+                    "take bake"
+                )
         self._scales, self._ratio = look.ladder
         check_ladder(self._scales, self._ratio, look.facing, look.tolerance)
         self.eye = look.eye(self.extent)
