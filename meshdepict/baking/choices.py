@@ -41,7 +41,6 @@ MESH, VOLUME, HEIGHTS, IMAGE = "mesh", "volume", "height field", "image"
 
 _FACES = (MESH, IMAGE)  # what has triangles, or shows some
 _SURFACES = (*_FACES, HEIGHTS)
-_SOLIDS = (MESH, HEIGHTS)
 
 _ON_TERRAIN = {"one_light": True, "sky": "overhead"}
 """Options that methods take of terrain unless told otherwise."""
@@ -163,7 +162,7 @@ class Choices:
         None,
         "Colours by height, multiplied in linear light: earth, swiss, desert or a colour map, also "
         "between two heights, as in earth:0..3000.",
-        only=_SOLIDS,
+        only=_SURFACES,
     )
     transfer: Any = _choice(
         None,

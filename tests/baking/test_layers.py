@@ -47,10 +47,12 @@ def display(shape, method, **chosen):
 
 
 @pytest.mark.parametrize("method", METHODS)
-def test_a_single_layer_is_the_bake(small, method):
-    few = {"rays": 4} if "rays" in declaration(METHODS[method]).needs else {}
-    alone = md.bake(small, method, **few)
-    layered = md.bake(small, blend=[(method, "normal", 1, few)])
+def test_a_single_layer_is_the_bake(small, hills, method):
+    needs = declaration(METHODS[method]).needs
+    few = {"rays": 4} if "rays" in needs else {}
+    shape = hills if "heights" in needs else small
+    alone = md.bake(shape, method, **few)
+    layered = md.bake(shape, blend=[(method, "normal", 1, few)])
     np.testing.assert_array_equal(layered.colors, alone.colors)
     assert layered.look.method == method
 
