@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -18,14 +18,14 @@ from meshdepict.scales.reads import Reads
 from meshdepict.scales.space import ScaleSpace
 from meshdepict.scene.view import View
 
-__all__ = ["Blend", "shade_layers", "shared_ladders"]
+__all__ = ["Blend", "Layered", "shade_layers", "shared_ladders"]
 
 Ladder = tuple[int, float]
 Floats = NDArray[np.floating]
 
 
 class Blend(NamedTuple):
-    """What the layers of a look make.
+    """What the layers of a look make of a shape.
 
     Attributes
     ----------
@@ -42,6 +42,55 @@ class Blend(NamedTuple):
     look: Choices
 
 
+class Layered:
+    """The layers of a look, for shapes of a kind.
+
+    Parameters
+    ----------
+    look : Choices
+        As it was chosen, with up and view as they suit the shape.
+    kind : str
+        Of the shape.
+
+    Attributes
+    ----------
+    look : Choices
+    looks : list of Choices
+        Of each layer.
+    ladders : list of (scales, ratio)
+        On which each is shaded; see `shared_ladders`.
+    """
+
+    def __init__(self, look: Choices, kind: str) -> None:
+        self.look = look
+        self.looks = [look.of_layer(layer).of_kind(kind) for layer in look.layers]
+        self.ladders = shared_ladders(self.looks)
+
+    def reads(self, ladder: Ladder, last: int) -> Reads:
+        """Return what the layers of a ladder read of a space with so many smoothed sets."""
+        reads = Reads()
+        for each, its in zip(self.looks, self.ladders, strict=True):
+            if its == ladder:
+                reads |= each.reads(last)
+        return reads
+
+    def settle(self, spaces: Mapping[Ladder, ScaleSpace]) -> Choices:
+        """Find the options that follow the shape; return the look with them."""
+        pairs = zip(self.looks, self.ladders, strict=True)
+        self.looks = [each.settled(spaces[its]) for each, its in pairs]
+        return self.look.with_settled(self.looks)
+
+    def values(self, spaces: Mapping[Ladder, ScaleSpace], eye: View) -> NDArray[np.float32]:
+        """Return the display values (n,) or (n, 3) of all layers, one laid upon the other."""
+
+        def pictures() -> Iterator[tuple[Floats, str, float]]:
+            layers = zip(self.look.layers, self.looks, self.ladders, strict=True)
+            for layer, each, its in reversed([*layers]):
+                yield _picture(layer, each, spaces[its], eye), layer.mode, layer.opacity
+
+        return flattened(pictures())
+
+
 def shade_layers(
     look: Choices,
     kind: str,
@@ -54,34 +103,21 @@ def shade_layers(
 
     Parameters
     ----------
-    look : Choices
-        As it was chosen, with up and view as they suit the shape.
-    kind : str
-        Of the shape.
+    look, kind
+        See `Layered`.
     eye : View
     make : callable (scales, ratio) → ScaleSpace
-        Called once for every ladder that is needed; see `shared_ladders`.
+        Called once for every ladder that is needed.
     progress : callable, optional
         ``progress(done, total)``, while normals are smoothed.
     """
-    looks = [look.of_layer(layer).of_kind(kind) for layer in look.layers]
-    ladders = shared_ladders(looks)
+    layered = Layered(look, kind)
     spaces: dict[Ladder, ScaleSpace] = {}
-    for ladder in dict.fromkeys(ladders):
+    for ladder in dict.fromkeys(layered.ladders):
         space = spaces[ladder] = make(*ladder)
-        reads = Reads()
-        for each, its in zip(looks, ladders, strict=True):
-            if its == ladder:
-                reads |= each.reads(space.last)
-        space.smooth(reads.sets, progress=progress)
-    looks = [each.settled(spaces[its]) for each, its in zip(looks, ladders, strict=True)]
-
-    def pictures() -> Iterator[tuple[Floats, str, float]]:
-        for layer, each, its in reversed([*zip(look.layers, looks, ladders, strict=True)]):
-            yield _picture(layer, each, spaces[its], eye), layer.mode, layer.opacity
-
-    values = flattened(pictures())
-    return Blend(values, spaces[max(spaces)], look.with_settled(looks))
+        space.smooth(layered.reads(ladder, space.last).sets, progress=progress)
+    settled = layered.settle(spaces)
+    return Blend(layered.values(spaces, eye), spaces[max(spaces)], settled)
 
 
 def shared_ladders(looks: Sequence[Choices]) -> list[Ladder]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import TypeVar
 
 import numpy as np
@@ -14,7 +15,7 @@ from meshdepict.scales.space import ScaleSpace
 from meshdepict.scene.upright import upright
 from meshdepict.shapes.gbuffer import GBuffer
 
-__all__ = ["heights_of", "tinted"]
+__all__ = ["heights_of", "spanned_tint", "tinted"]
 
 Floats = NDArray[np.float64]
 Look = TypeVar("Look", bound=Choices)
@@ -50,15 +51,27 @@ def heights_of(space: ScaleSpace, up: str, points: Floats | None = None) -> Floa
     return np.asarray((space.points if points is None else points) @ axis, np.float64)
 
 
+def spanned_tint(tint: str, span: Callable[[], tuple[float, float]]) -> str:
+    """Return a tint with the heights of its first and last colour.
+
+    Parameters
+    ----------
+    tint : str
+    span : callable
+        Returns the least and the largest height; asked where the tint has no heights of its own.
+    """
+    name, given = parsed_tint(tint)
+    if given is not None:
+        return tint
+    low, high = span()
+    return tint_text(name, (low, high)) if low < high else tint
+
+
 def tinted(look: Look, heights: Floats) -> tuple[Look, NDArray[np.uint8]]:
     """Return a look with the heights of its tint's first and last colour, and the colours (n, 3).
 
     They are the lowest and the highest of all unless somebody chose them.
     """
     assert look.tint is not None
-    name, span = parsed_tint(look.tint)
-    low, high = float(heights.min()), float(heights.max())
-    if span is None and low < high:
-        span = low, high
-        look = look.replace(tint=tint_text(name, span))
-    return look, tint_colors(heights, name, span)
+    tint = spanned_tint(look.tint, lambda: (float(heights.min()), float(heights.max())))
+    return look.replace(tint=tint), tint_colors(heights, *parsed_tint(tint))

@@ -64,7 +64,8 @@ def blended(
     Returns
     -------
     (n,) or (n, 3) array of float32
-        Display values in [0, 1]; in colour where one of the layers is.
+        Display values in [0, 1]; in colour where one of the layers is, by luminosity where the
+        lower one is.
 
     Raises
     ------
@@ -72,7 +73,10 @@ def blended(
         For an unknown mode, an opacity beyond 0 … 1, and layers of other shapes.
     """
     mode, share = checked_mode(mode), np.float32(checked_opacity(opacity))
-    a, b = _alike(_values(upper), _values(lower))
+    a, b = _values(upper), _values(lower)
+    if mode == "luminosity" and a.ndim == 2:
+        a = a @ _LUMA  # all that counts of it
+    a, b = _alike(a, b)
     if mode == "multiply_linear":
         light = 1 + share * (srgb_to_linear(a) - 1)  # what the layer lets through
         return np.asarray(linear_to_srgb(srgb_to_linear(b) * light), np.float32)
@@ -148,7 +152,7 @@ def _luminosity(a: Singles, b: Singles) -> Singles:
     """Give b the luma of a: all channels shifted, then drawn towards the luma until they fit."""
     if b.ndim == 1:
         return a
-    luma = (a @ _LUMA)[:, None]
+    luma = a[:, :1]  # the same in all channels
     shift = b - (b @ _LUMA)[:, None]  # what b's colour is beside its luma
     least, most = (end(shift, axis=1, keepdims=True) for end in (np.min, np.max))
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):

@@ -149,7 +149,7 @@ def test_options_are_those_of_the_method_and_lights_those_of_layers(small):
 
 
 def test_colours_blend_and_grey_blends_take_a_colour_map(small):
-    baked = md.bake(small, blend="gooch:luminosity:0.5,lambert")
+    baked = md.bake(small, blend="slope:luminosity:0.5,gooch")
     assert baked.intensity.shape == (len(small.vertices), 3)
     mapped = md.bake(small, blend="slope,lambert", colormap="sepia")
     np.testing.assert_array_equal(
