@@ -8,6 +8,7 @@ import pytest
 import meshdepict as md
 from meshdepict.baking import surfaces
 from meshdepict.baking.choices import Choices
+from meshdepict.baking.combinations import COMBINATIONS
 from meshdepict.baking.layers import shared_ladders
 from meshdepict.baking.recipe import load_recipe, merge_recipe
 from meshdepict.color import colormap
@@ -231,6 +232,33 @@ def test_another_method_leaves_the_blend_behind():
     other = look.replace(method="toon")
     assert (other.method, other.blend, other.light) == ("toon", None, "west")
     assert look.replace(light="east").blend == "slope:multiply,lambert"
+
+
+def test_archaeologists_have_their_picture(hills):
+    baked = md.bake(hills, blend="archaeological")
+    sky = display(hills, "sky_view", sky="overhead", radius=10)
+    openness = display(hills, "positive_openness", radius=10, least=0, most=180) * 180
+    slope = 50 * (1 - display(hills, "slope", steepest=50))
+    lit = display(hills, "hillshade", light=(315, 35))
+    picture = (lit + 1 - slope / 50) / 2  # luminosity of a grey upon a grey, by half
+    over = np.clip((openness - 68) / (93 - 68), 0, 1)
+    bright = np.where(picture > 0.5, 1 - 2 * (1 - picture) * (1 - over), 2 * picture * over)
+    picture = (picture + bright) / 2
+    open_sky = np.clip((sky - 0.7) / 0.3, 0, 1)
+    picture = 0.75 * picture + 0.25 * picture * open_sky
+    np.testing.assert_allclose(baked.intensity, picture, atol=1e-5)
+    assert baked.provenance["method"] == "archaeological"
+    flat = md.bake(hills, blend="vat_flat")
+    assert flat.provenance["light"].startswith("azimuth 315 elevation 15")
+    general = md.bake(hills, blend="geomorphological")
+    assert np.abs(general.intensity - baked.intensity).max() > 0.05
+
+
+@pytest.mark.parametrize("name", COMBINATIONS)
+def test_combinations_are_for_meshes_too(small, name):
+    baked = md.bake(small, blend=name)
+    assert baked.intensity.shape == (len(small.vertices),)
+    assert np.ptp(baked.intensity) > 0.3
 
 
 def test_blends_are_named_in_provenance(small):
