@@ -147,7 +147,7 @@ class Batch:
         """Choose and check the names of the files to write."""
         if source is not None and not exists(source):
             raise MeshdepictError(f"{source}: there is no such file")
-        name = f"{stem(source)}-{self.look.method}"
+        name = f"{stem(source)}-{self.look.title}"
         output = _target(self.output or ".", f"{name}.ply", "-o")
         _check_format(output)
         picture, first = None, source is None and self.picture is None
@@ -199,8 +199,8 @@ class Batch:
     def _show_first(self, baked: Baked, job: Job, look: Look) -> Job:
         """Draw before and after; where nothing can be drawn, leave the picture out with a note."""
         assert job.picture is not None
-        before = bake_surface(baked.shape, look.replace(method=_BEFORE))
-        captions = f"before: {_BEFORE}", f"after: {self.look.method}"
+        before = bake_surface(baked.shape, look.replace(method=_BEFORE, blend=None, tint=None))
+        captions = f"before: {_BEFORE}", f"after: {self.look.title}"
         try:
             page = before_after((before, baked), captions)
         except (MeshdepictError, ImportError, RuntimeError) as error:
@@ -228,7 +228,8 @@ class Batch:
             )
         look = baked.look
         if not self.quiet and look is not None and look.refine is None:
-            share = smeared_share(mesh, look.light)
+            light = look.lighting(baked.view, mesh.kind) if look.light is None else look.light
+            share = smeared_share(mesh, light)
             if share > NOTEWORTHY:
                 yield (
                     f"sharp edges smear over {share:.0%} of the area: --creases {CREASES:g} keeps "

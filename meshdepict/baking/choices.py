@@ -10,13 +10,15 @@ import dataclasses
 import functools
 import inspect
 import warnings
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from numbers import Real
 from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self
 
 from meshdepict import color
+from meshdepict.baking.layer_list import Layer, as_layers, blend_name, kept_blend
 from meshdepict.color import colormaps2d
+from meshdepict.color.tints import checked_tint
 from meshdepict.errors import MeshdepictError, MeshdepictWarning
 from meshdepict.options import check, options_of, real
 from meshdepict.scales.ladder import FACING, TOLERANCE
@@ -94,6 +96,14 @@ class Choices:
     colormap2d : {"dusk", "earth", "swiss"}, optional
         A map of two results: under the light, and under the light turned by 90° clockwise as the
         view sees it (northwest and northeast).
+    blend : str or sequence, optional
+        Pictures of several methods laid one upon the other, the first on top: the name of a
+        combination, a text such as "sky_view:multiply:0.5,exaggerated", or layers; see `as_layers`.
+        Each looks as it does alone. The method, its options and the light are then those of its
+        layer, the lowest one's unless another is named.
+    tint : str or (name, low, high), optional
+        Colours by height, multiplied in linear light: "earth", "swiss", "desert" or a colour map,
+        from the lowest to the highest point, or between two heights: "earth:0..3000".
     creases : float, optional
         Edges at which the surface bends by more than so many degrees are sharp: vertices there are
         parted, so that planes have one normal. New vertices come after the old ones.
@@ -149,6 +159,19 @@ class Choices:
         None, "Colours for two lights, the other one 90° clockwise: dusk, earth or swiss.",
         only=_SURFACES,
     )  # fmt: skip
+    blend: Any = _choice(
+        None,
+        "Methods laid one upon the other, the first on top: archaeological, vat_flat, "
+        "geomorphological, or method:mode:opacity parted by commas, as in "
+        "sky_view:multiply:0.5,exaggerated.",
+        only=_SURFACES,
+    )
+    tint: Any = _choice(
+        None,
+        "Colours by height, multiplied in linear light: earth, swiss, desert or a colour map, also "
+        "between two heights, as in earth:0..3000.",
+        only=_SURFACES,
+    )
     transfer: Any = _choice(
         None,
         "What is shown, and its colours: bone, skin, muscle, lung, micro-ct, or a .toml file; bone "
@@ -208,6 +231,11 @@ class Choices:
 
         function = find_method(method)
         known = choice_fields()
+        if chosen.get("blend") is not None:
+            chosen["blend"] = kept_blend(chosen["blend"])
+            function = _within(as_layers(chosen["blend"]), function)
+        if chosen.get("tint") is not None:
+            chosen["tint"] = checked_tint(chosen["tint"])
         for name, each in known.items():
             object.__setattr__(self, name, chosen.pop(name, each.default))
         object.__setattr__(self, "method", function.__name__)
@@ -221,6 +249,11 @@ class Choices:
                 )
         if self.colormap2d is not None:
             colormaps2d.colormap2d(self.colormap2d)
+            if self.blend is not None:
+                raise MeshdepictError(
+                    "colormap2d shows one method under two lights, and blend several: give one of "
+                    "them"
+                )
         if self.up is not None and not (isinstance(self.up, str) and self.up == AUTO):
             upright(self.up)  # refuses what can't be up
         if not isinstance(self.albedo, str) or self.albedo not in ("none", "keep"):
@@ -264,11 +297,46 @@ class Choices:
     @property
     def sees(self) -> bool:
         """Whether colours depend on where the eye is."""
+        if self.blend is not None:
+            return any(self.of_layer(layer).sees for layer in self.layers)
         return self.two_sided or "view" in self.declared.needs
+
+    @functools.cached_property
+    def layers(self) -> tuple[Layer, ...]:
+        """The layers of its blend, the first on top; none without a blend."""
+        return () if self.blend is None else as_layers(self.blend)
+
+    @property
+    def title(self) -> str:
+        """What pictures and files are named after: the method, or what its blend is called."""
+        return self.method if self.blend is None else blend_name(self.blend)
+
+    def of_layer(self, layer: Layer) -> Self:
+        """Return these choices for a layer alone."""
+        own = self.options if layer.function is self.function else {}
+        alone: dict[str, Any] = {"blend": None, "tint": None, "colormap": None, "albedo": "none"}
+        if layer.light is not None:
+            alone["light"] = layer.light
+        words = {name: value for name, value in self.words().items() if name not in self.options}
+        return type(self)(layer.function, **{**words, **alone, **own, **layer.options})
+
+    def with_settled(self, looks: Iterable[Choices]) -> Self:
+        """Return these choices with what its layers' looks, in their order, found of a shape."""
+        layers = [
+            layer.replace(options={**layer.options, **look.fitted}) if look.fitted else layer
+            for layer, look in zip(self.layers, looks, strict=True)
+        ]
+        same = all(new is old for new, old in zip(layers, self.layers, strict=True))
+        return self if same else self.replace(blend=tuple(layers))
 
     @property
     def ladder(self) -> tuple[int, float]:
-        """How often to smooth and the ratio of the widths: as chosen, else as declared."""
+        """How often to smooth and the ratio of the widths: as chosen, else as declared.
+
+        Of a blend as the layer has it that wants most.
+        """
+        if self.blend is not None:
+            return max(self.of_layer(layer).ladder for layer in self.layers)
         declared = self.declared
         scales = declared.scales if self.scales is None or not declared.scales else self.scales
         return scales, declared.ratio if self.ratio is None else self.ratio
@@ -314,6 +382,9 @@ class Choices:
         """The light: as chosen, else as the method declares; one where two results are mapped."""
         if self.light is not None:
             return self.light
+        for layer in reversed(self.layers):
+            if layer.function is self.function and layer.light is not None:
+                return layer.light
         return LIGHT if self.colormap2d is not None else self.declared.light
 
     def lighting(self, view: View, kind: str) -> Lighting:
@@ -344,6 +415,11 @@ class Choices:
         space : ScaleSpace or None
             None of a shape that is never at hand as a whole.
         """
+        if self.blend is not None:
+            looks = [self.of_layer(layer) for layer in self.layers]
+            if space is not None:
+                looks = [each.of_kind(space.shape.kind) for each in looks]
+            return self.with_settled(each.settled(space) for each in looks)
         fits = self.declared.fits
         return self if fits is None else self.replace(**fits(space, self._every_option))
 
@@ -373,11 +449,16 @@ class Choices:
         return {**fields, **self.options}
 
     def replace(self, **changes: Any) -> Self:
-        """Return other choices: with changes, and of another method without this one's options."""
+        """Return other choices: with changes.
+
+        Of another method they come without this one's options, and without the blend.
+        """
         from meshdepict.shading.registry import find_method
 
         method = find_method(changes.pop("method", self.function))
         kept = {name: value for name, value in self.words().items() if name not in self.options}
+        if method is not self.function:
+            kept.pop("blend", None)
         options = self.options if method is self.function else {}
         return type(self)(method, **{**kept, **options, **changes})
 
@@ -414,6 +495,19 @@ class Choices:
             unsaid = {name for name in known if self.options.get(name) is None}
             follows.update({name: _ON_TERRAIN[name] for name in unsaid})
         return self.replace(**follows)
+
+
+def _within(layers: Sequence[Layer], function: Callable[..., Any]) -> Callable[..., Any]:
+    """Return the method that a blend has: the lowest layer's, or what somebody named of them."""
+    known = [layer.function for layer in layers]
+    if function in known:
+        return function
+    if function.__name__ != choice_fields()["method"].default:
+        raise MeshdepictError(
+            f"blend has no layer {function.__name__}: leave method out, or name one of "
+            f"{', '.join(dict.fromkeys(each.__name__ for each in known))}"
+        )
+    return known[-1]
 
 
 def _is(given: object, usual: object) -> bool:

@@ -45,7 +45,7 @@ class Group:
     @property
     def caption(self) -> str:
         """What stands below it: method and light, and the name if it has one."""
-        said = self.look.method
+        said = self.look.title
         if self.look.declared.lights != "none":
             light = self.look.lighting(self.eye, self.shape.kind)
             said += f", light {str(light).partition(' (')[0]}"

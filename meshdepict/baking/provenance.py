@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
+from meshdepict.baking.layer_list import blend_text
 from meshdepict.files.mark import MARK, VERSION
 from meshdepict.options import as_text, options_of
 from meshdepict.scene.names import Lighting
@@ -30,15 +31,14 @@ def describe(look: Choices, space: ScaleSpace, *, light: Lighting) -> dict[str, 
     light : Light, Lights or Environment
         What the look's light became in its view.
     """
-    values = {
-        name: look.options.get(name, o.default) for name, o in options_of(look.function).items()
-    }
+    known = options_of(look.function) if look.blend is None else {}  # layers say theirs
+    values = {name: option.default for name, option in known.items()} | dict(look.options)
     occlusion = [
         f"{rays} rays, rms error {error:.2g}" for rays, error in space.occlusion_errors.items()
     ]
     return {
         "version": VERSION,
-        "method": look.method,
+        "method": look.title,
         "options": " ".join(
             f"{name}={as_text(value)}" for name, value in values.items() if value is not None
         ),
@@ -49,6 +49,8 @@ def describe(look: Choices, space: ScaleSpace, *, light: Lighting) -> dict[str, 
         "light": str(light),
         "view": f"{look.view}, up {look.up}" if isinstance(look.view, str) else str(look.view),
         "colormap": look.colormap or look.colormap2d or "gray",
+        **({} if look.blend is None else {"blend": blend_text(look.layers)}),
+        **({} if look.tint is None else {"tint": look.tint}),
         "albedo": look.albedo,
         **({"sides": "the one that is seen"} if look.two_sided else {}),
         space.shape.kind: space.shape.identity,

@@ -23,6 +23,7 @@ from meshdepict.options import check, nearest, options_of
 from meshdepict.scene.light import Light
 from meshdepict.scene.rig import Rig
 from meshdepict.scene.view import VIEWS, View
+from meshdepict.shading.method import declaration
 from meshdepict.shading.registry import find_method
 
 __all__ = ["load_recipe", "merge_recipe", "save_recipe"]
@@ -96,9 +97,18 @@ def _finite(text: str) -> float:
 
 
 def merge_recipe(recipe: Mapping[str, Any], given: Mapping[str, Any]) -> dict[str, Any]:
-    """Return a recipe with what was given in its place; another method drops its options."""
+    """Return a recipe with what was given in its place; another method drops its options.
+
+    It drops the recipe's blend, too; and another blend drops the recipe's method.
+    """
+    dropped = set()
     if given.get("method", recipe["method"]) != recipe["method"]:
-        recipe = {name: value for name, value in recipe.items() if name in choice_fields()}
+        dropped = {"blend"}
+    elif given.get("blend") is not None and "method" not in given:
+        dropped = {"method", "blend"}
+    if dropped:
+        kept = choice_fields().keys() - dropped
+        recipe = {name: value for name, value in recipe.items() if name in kept}
     return {**recipe, **given}
 
 
@@ -131,10 +141,13 @@ def save_recipe(
     look = look if isinstance(look, Choices) else Choices(**look)
     declared = look.declared
     fields = {name: getattr(look, name) for name in choice_fields()}
-    if look.scales is None or declared.scales == 0:
-        fields["scales"] = declared.scales
-    fields["ratio"] = look.ratio or declared.ratio
-    fields["light"] = look.lit_by
+    if look.blend is not None:  # scales, ratio and light are as each layer declares
+        fields["blend"] = _layers(look)
+    else:
+        if look.scales is None or declared.scales == 0:
+            fields["scales"] = declared.scales
+        fields["ratio"] = look.ratio or declared.ratio
+        fields["light"] = look.lit_by
     if isinstance(look.light, Light):
         fields["light"] = look.light.direction.tolist()
     elif isinstance(look.light, Rig):
@@ -158,6 +171,17 @@ def save_recipe(
         )
     with atomic_write(path) as stream:
         stream.write(text.encode())
+
+
+def _layers(look: Choices) -> list[dict[str, Any]]:
+    """Return the layers of a blend as tables, today's defaults included."""
+    return [
+        layer.recorded(
+            look.options if layer.function is look.function else {},
+            declaration(layer.function).light if look.light is None else None,
+        )
+        for layer in look.layers
+    ]
 
 
 def _is_recipe(path: Path) -> bool:

@@ -11,6 +11,7 @@ from meshdepict.errors import MeshdepictError
 from meshdepict.files.pictures import is_picture
 from meshdepict.files.reach import inside
 from meshdepict.options import Choice, Values, options_of
+from meshdepict.shading.registry import find_method
 
 __all__ = ["located", "named_from"]
 
@@ -83,6 +84,8 @@ def _changed(
         given = changed.get(name)
         if isinstance(given, str) and given.lower().endswith(suffix):
             changed[name] = change(given, what)
+    if isinstance(changed.get("blend"), (list, tuple)):
+        changed["blend"] = [_changed_layer(layer, change) for layer in changed["blend"]]
     for name, option in options_of(function).items():
         given, accepts = changed.get(name), option.accepts
         if isinstance(accepts, Values) and isinstance(given, str) and is_picture(given):
@@ -92,3 +95,14 @@ def _changed(
         if isinstance(given, (str, Path)) and given not in accepts.names:
             changed[name] = change(os.fspath(given), name.replace("_", " "))
     return changed
+
+
+def _changed_layer(layer: Any, change: Callable[[str, str], str]) -> Any:
+    """Return a layer's table with the names of files changed; what is none is refused later."""
+    if not isinstance(layer, Mapping) or not isinstance(layer.get("options", {}), Mapping):
+        return layer
+    function = find_method(layer.get("method", ""))
+    chosen = {**layer.get("options", {}), "light": layer.get("light")}
+    chosen = _changed(chosen, function, change)
+    light = chosen.pop("light")
+    return {**layer, "options": chosen, **({} if light is None else {"light": light})}

@@ -12,7 +12,9 @@ from numpy.typing import NDArray
 
 from meshdepict import color
 from meshdepict.baking.choices import HEIGHTS, Choices
+from meshdepict.baking.layers import Layered
 from meshdepict.baking.provenance import describe
+from meshdepict.baking.tinting import spanned_tint, tinted
 from meshdepict.baking.windows import Cut, Window, cut_for
 from meshdepict.color import colormaps2d
 from meshdepict.errors import MeshdepictError
@@ -22,6 +24,7 @@ from meshdepict.scales.chosen_samples import ChosenSamples
 from meshdepict.scales.gathered import GatheredSamples
 from meshdepict.scales.height_scales import HeightSpace, height_space
 from meshdepict.scales.ladder import Progress, check_ladder, ladder
+from meshdepict.scales.reads import Reads
 from meshdepict.scene.names import Lighting, as_light
 from meshdepict.shapes.height_field import HeightField, window_of
 from meshdepict.shapes.lengths import resolve_width
@@ -104,10 +107,11 @@ class Relief:
             source.rows, source.cols, source.transform, crs=source.crs, degrees=source.degrees,
             unit=source.unit, name=str(source.attributes.get("source", "")),
         )  # fmt: skip
-        look = look.of_kind(HEIGHTS)
+        chosen, look = look, look.of_kind(HEIGHTS)
         if look.refine is not None or look.albedo == "keep":
             word = "refine" if look.refine is not None else "albedo"
             raise MeshdepictError(f"{word} is about a mesh, and this is terrain: leave it out")
+        self._layered = None if look.blend is None else _layered(chosen, look)
         self._scales, self._ratio = look.ladder
         check_ladder(self._scales, self._ratio, look.facing, look.tolerance)
         self.eye = look.eye(self.extent)
@@ -120,7 +124,13 @@ class Relief:
         typical = GatheredSamples(
             self.extent, self._typical, self._widths, self._ratio, tolerance=look.tolerance
         )
-        self.look = look.settled(typical)
+        if self._layered is None:
+            self.look = look.settled(typical)
+        else:
+            settled = self._layered.settle(dict.fromkeys(self._layered.ladders, typical))
+            self.look = look.replace(blend=settled.blend, scales=chosen.scales, ratio=chosen.ratio)
+        if look.tint is not None:
+            self.look = self.look.replace(tint=spanned_tint(look.tint, self._span))
         self.provenance = describe(self.look, typical, light=self._light)
         if look.z_factor != 1:
             self.provenance["z factor"] = f"{look.z_factor:g}"
@@ -134,7 +144,7 @@ class Relief:
     @property
     def linear(self) -> bool:
         """Whether values are linear light."""
-        return self.look.declared.linear
+        return self._layered is None and self.look.declared.linear
 
     def windows(self, progress: Progress | None = None) -> Iterator[Shaded]:
         """Shade window after window.
@@ -178,7 +188,7 @@ class Relief:
 
         if values and self.bands > 1:
             raise MeshdepictError(
-                f"{self.look.method} gives colours, and no single value a cell: leave --values out"
+                f"{self.look.title} gives colours, and no single value a cell: leave --values out"
             )
         kind = "values" if values else self.kind
         with relief_writer(path, like=self._given, kind=kind, provenance=self.provenance) as out:
@@ -202,7 +212,7 @@ class Relief:
         """Return its scale space, with what the method reads."""
         return height_space(
             field, self._widths, self._ratio, tolerance=self.look.tolerance,
-            at_once=self.look.reads(self._scales).sets,
+            at_once=self._reads().sets,
         )  # fmt: skip
 
     def _shaded(self, field: HeightField | None, window: Window) -> Shaded:
@@ -223,7 +233,9 @@ class Relief:
     def _painted(self, space: HeightSpace) -> tuple[NDArray[np.float32], NDArray[np.uint8]]:
         """Return what the method makes of some samples, and their colours."""
         look, linear = self.look, self.linear
-        if look.colormap2d is None:
+        if self._layered is not None:
+            intensity = self._layered.values(dict.fromkeys(self._layered.ladders, space), self.eye)
+        elif look.colormap2d is None:
             intensity = self._shade(self._light, space)
         else:
             shade = functools.partial(self._shade, space=space)
@@ -231,7 +243,11 @@ class Relief:
                 shade, as_light(self._light), self.eye, look.colormap2d, linear=linear
             )
             linear = False
-        return intensity, color.encode(intensity, linear=linear, colormap=look.colormap)
+        colors = color.encode(intensity, linear=linear, colormap=look.colormap)
+        if look.tint is not None:
+            _, tint = tinted(look, space.points[:, 2] / look.z_factor)
+            colors = color.multiply_albedo(colors / np.float32(255), tint, linear=False)
+        return intensity, colors
 
     def _shade(self, light: Lighting, space: HeightSpace) -> NDArray[np.float32]:
         return self.look.shade(space, light, self.eye)
@@ -256,19 +272,31 @@ class Relief:
         """Return what colours a level patch gets, "gray" or "color", and of how many values."""
         patch = window_of(self.extent, 0, 0, np.zeros((3, 3), np.float32), np.ones((3, 3), bool))
         intensity, _ = self._painted(self._space(patch))
-        gray = intensity.ndim == 1 and self.look.colormap is None
+        gray = intensity.ndim == 1 and self.look.colormap is None and self.look.tint is None
         return "gray" if gray else "color", 1 if intensity.ndim == 1 else intensity.shape[1]
 
     def _cut(self, look: Choices) -> Cut:
-        reads = look.reads(self._scales)
-        around = reads.around
-        if around is None:
-            averages = bool(reads.means) and not reads.rays  # which look as far as their widths
-            around = 0.0 if look.declared.local or averages else np.inf
+        looks = [look] if self._layered is None else self._layered.looks
+        around = max(_around(each, each.reads(self._scales)) for each in looks)
         return cut_for(
-            self.extent, self._widths, reads,
+            self.extent, self._widths, self._reads(),
             tolerance=look.tolerance, around=around, memory=self._memory,
         )  # fmt: skip
+
+    def _reads(self) -> Reads:
+        if self._layered is not None:
+            return self._layered.reads(self._layered.ladders[0], self._scales)
+        return self.look.reads(self._scales)
+
+    def _span(self) -> tuple[float, float]:
+        """Return the least and the largest height, in one pass over everything."""
+        low, high = np.inf, -np.inf
+        for window in self.cut.windows():
+            z, valid = self._terrain.read(window.rows, window.columns)
+            if valid.any():
+                heights = z[valid]
+                low, high = min(low, float(heights.min())), max(high, float(heights.max()))
+        return low, high
 
     def _typical(self) -> Iterator[ChosenSamples]:
         """Yield the samples that numbers are fitted to, those of `HeightSpace.typical`."""
@@ -296,6 +324,26 @@ class Relief:
                 for places, span in ((rows, down), (columns, across))
             ]
             yield window, np.logical_and.outer(*inside)
+
+
+def _layered(chosen: Choices, look: Choices) -> Layered:
+    """Return the layers of a look; refuse those that are smoothed differently."""
+    layered = Layered(chosen.replace(view=look.view, up=look.up), HEIGHTS)
+    if len({*layered.ladders}) > 1:
+        names = " and ".join(dict.fromkeys(each.method for each in layered.looks if each.ladder[0]))
+        raise MeshdepictError(
+            f"{names} are smoothed at different widths, and relief smooths once: give scales and "
+            "ratio for all of the blend"
+        )
+    return layered
+
+
+def _around(look: Choices, reads: Reads) -> float:
+    """Return how many cells around one a method looks at, beside what its widths take in."""
+    if reads.around is not None:
+        return reads.around
+    averages = bool(reads.means) and not reads.rays  # which look as far as their widths
+    return 0.0 if look.declared.local or averages else np.inf
 
 
 class _InMemory:

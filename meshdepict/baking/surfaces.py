@@ -14,8 +14,10 @@ from meshdepict.baking.baked import Baked
 from meshdepict.baking.choices import LADDER, Choices, choice_fields
 from meshdepict.baking.chosen_normals import refuse_other_sides, sides_of, with_chosen_normals
 from meshdepict.baking.clipping import warn_of_clipping
+from meshdepict.baking.layers import shade_layers
 from meshdepict.baking.provenance import describe, was_baked
 from meshdepict.baking.sheets import warn_of_backs
+from meshdepict.baking.tinting import heights_of, tinted
 from meshdepict.color import colormaps2d
 from meshdepict.errors import MeshdepictError
 from meshdepict.scales.ladder import Progress
@@ -49,6 +51,13 @@ def bake_surface(shape: object, look: Choices, *, progress: Progress | None = No
     if not made:
         mesh = with_choices(mesh, look)
     refuse_other_sides(mesh, look)
+    several = "colormap2d" if look.colormap2d is not None else "blend" if look.blend else ""
+    local = look.declared.local and not several and not isinstance(mesh, GBuffer)
+    if look.refine is not None and not local:
+        raise MeshdepictError(
+            "refine is for meshes, one light and methods that shade each sample by itself: leave "
+            f"it out with {several or look.method}"
+        )
     look = look.replace(**sides_of(mesh))
     if isinstance(mesh, HeightField):
         if made and look.z_factor not in (1, mesh.z_factor):
@@ -62,30 +71,36 @@ def bake_surface(shape: object, look: Choices, *, progress: Progress | None = No
     eye = look.eye(mesh)
     lamp = look.lighting(eye, kind)
     if isinstance(shape, ScaleSpace):
-        space = shape
-        refuse_other_scales(space, chosen)
-    else:
-        space = scale_space(
+        refuse_other_scales(shape, chosen)
+
+    def make(scales: int, ratio: float) -> ScaleSpace:
+        if isinstance(shape, ScaleSpace):
+            return shape
+        return scale_space(
             mesh, scales=scales, width=look.width, ratio=ratio, facing=look.facing,
             tolerance=look.tolerance, view=eye, at_once=(),
         )  # fmt: skip
-    space.smooth(look.reads(space.last).sets, progress=progress)
-    look = look.settled(space)
+
+    blend = None
+    if look.blend is not None:
+        seen = chosen.replace(view=look.view, up=look.up)
+        blend = shade_layers(seen, kind, eye, make, progress=progress)
+        space, look = blend.space, look.replace(blend=blend.look.blend)
+    else:
+        space = make(scales, ratio)
+        space.smooth(look.reads(space.last).sets, progress=progress)
+        look = look.settled(space)
     if space is not shape and not look.two_sided:  # viewers turn what they show
         warn_of_backs(space.points, space.normals_at(0), eye)
     linear = look.declared.linear
-    local = look.declared.local and look.colormap2d is None and not isinstance(mesh, GBuffer)
 
     def shade(lamp: Lighting, space: ScaleSpace = space) -> NDArray[np.float32]:
         return look.shade(space, lamp, eye)
 
     each = functools.partial(shade, lamp)  # of samples of any scale space of the mesh
-    if look.refine is not None:
-        if not local:
-            raise MeshdepictError(
-                "refine is for meshes, one light and methods that shade each sample by itself: "
-                f"leave it out with {look.method if look.colormap2d is None else 'colormap2d'}"
-            )
+    if blend is not None:
+        intensity, linear = blend.values, False
+    elif look.refine is not None:
         from meshdepict.baking.refinement import refine as refined
 
         mesh, intensity = refined(space, each, linear=linear, levels=look.refine)
@@ -99,15 +114,27 @@ def bake_surface(shape: object, look: Choices, *, progress: Progress | None = No
         )
         linear = False
     colors = color.encode(intensity, linear=linear, colormap=look.colormap)
+    if look.tint is not None:
+        points = mesh.vertices if look.refine is not None and isinstance(mesh, Mesh) else None
+        heights = heights_of(space, look.axis(kind), points)
+        if isinstance(mesh, HeightField):
+            heights /= mesh.z_factor  # the ground's own
+        look, tint = tinted(look, heights)
+        colors = color.multiply_albedo(colors / np.float32(255), tint, linear=False)
     if own is not None:
         colors = color.multiply_albedo(colors / np.float32(255), own, linear=False)
     provenance = describe(look, space, light=lamp)
     if look.refine is not None and isinstance(mesh, Mesh):
         provenance["refined"] = f"to {look.refine:g} grey levels, {len(mesh.faces)} triangles"
+    if blend is None:
+        look = look.replace(light=lamp)
+    else:  # what its layers declare, differently perhaps, stays theirs
+        light = None if look.light is None else lamp
+        look = look.replace(light=light, scales=chosen.scales, ratio=chosen.ratio)
     return Baked(
         mesh, intensity, colors, provenance, eye,
         space=None if look.refine is not None else space, shade=each if local else None,
-        look=look.replace(light=lamp),
+        look=look,
     )  # fmt: skip
 
 

@@ -25,6 +25,8 @@ _KINDS = {"-o": ".png", "--csv": ".csv", "--html": ".html"}
         "sampling",
         "colormap",
         "colormap2d",
+        "blend",
+        "tint",
         "transfer",
         "refine",
         "albedo",

@@ -74,7 +74,7 @@ def relief(
     name = inputs[0].name.removesuffix(inputs[0].suffix)
     if output is None:
         suffix = ".tif" if values or importlib.util.find_spec("rasterio") else ".png"
-        output = Path(f"{name}-{wanted.method}{suffix}")
+        output = Path(f"{name}-{wanted.title}{suffix}")
     check_target(output, force=force, inputs=identities(inputs))
     paths = inputs[0] if len(inputs) == 1 else inputs
     with (
@@ -96,4 +96,4 @@ def relief(
         f"{terrain.cols:,} x {terrain.rows:,} cells",
         f"{time.perf_counter() - start:.1f} s",
     ]
-    say(f"{output}: {shaded.look.method}, {', '.join(filter(None, facts))}")
+    say(f"{output}: {shaded.look.title}, {', '.join(filter(None, facts))}")

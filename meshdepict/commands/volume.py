@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from meshdepict.shapes.volume import Volume
 
 
-@takes_words(without=("colormap", "colormap2d", "facing", "refine", "albedo"))
+@takes_words(without=("colormap", "colormap2d", "blend", "tint", "facing", "refine", "albedo"))
 def volume(
     source: Annotated[Path | None, Parameter(name="CT")] = None,
     *,

@@ -14,6 +14,7 @@ from meshdepict.shading.lit_sphere import lit_sphere as lit_sphere
 from meshdepict.shading.mean_curvature import mean_curvature as mean_curvature
 from meshdepict.shading.gooch import gooch as gooch
 from meshdepict.shading.aspect import aspect as aspect
+from meshdepict.shading.slope import slope as slope
 from meshdepict.shading.normal_enhancement import normal_enhancement as normal_enhancement
 from meshdepict.shading.unsharp_masking import unsharp_masking as unsharp_masking
 from meshdepict.shading.accessibility import accessibility as accessibility

@@ -382,7 +382,7 @@ class Session:
         return self.baked().colors
 
 
-UNSHOWN = ("colormap2d", "albedo", "refine")
+UNSHOWN = ("colormap2d", "blend", "tint", "albedo", "refine")
 """What bakes have and sessions don't."""
 
 
