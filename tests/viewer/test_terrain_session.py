@@ -75,7 +75,10 @@ def test_the_eye_stays_before_the_same_place(session):
     session.look("isometric")
     turned = session.view
     moved = md.View(
-        turned.position + (5, 0, 0), turned.focus + (5, 0, 0), turned.up, parallel_scale=9.0
+        turned.position + np.array([5, 0, 0]),
+        turned.focus + np.array([5, 0, 0]),
+        turned.up,
+        parallel_scale=9.0,
     )
     session.look(moved)
     session.set(z_factor=4)
