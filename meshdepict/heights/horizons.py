@@ -136,7 +136,7 @@ def _looked(
     look: Any, z: NDArray[Any], valid: NDArray[np.bool_] | None, steps: Floats,
     directions: int, radius: float, horizon: str, sign: float, out: Singles,
 ) -> None:  # fmt: skip
-    """Run a kernel over all rows, heights and slopes in single precision."""
+    """Run a kernel over all rows, in the precision of the heights."""
     if horizon not in HORIZONS:
         raise MeshdepictError(
             f"horizon={horizon!r} is not one of {', '.join(HORIZONS)}{nearest(horizon, HORIZONS)}"
@@ -149,9 +149,9 @@ def _looked(
 
     def work(begin: int, end: int) -> None:
         first, cells, weights = same or rays_of(steps[begin:end], directions, radius)
-        best = np.empty(_CHUNK, np.float32)
+        best = np.empty(_CHUNK, ground.dtype)
         look(
-            ground[begin : end + 2 * reach], reach, first, cells, weights.astype(np.float32),
+            ground[begin : end + 2 * reach], reach, first, cells, weights.astype(ground.dtype),
             deepest, best, out[..., begin:end, :],
         )  # fmt: skip
 
@@ -162,14 +162,12 @@ def _looked(
 
 def _padded(
     z: NDArray[Any], valid: NDArray[np.bool_] | None, reach: int, sign: float, *, mirror: bool
-) -> Singles:
-    """Return heights ± in single precision, from their middle, with a rim as wide as rays reach."""
+) -> NDArray[Any]:
+    """Return heights ± with a rim as wide as rays reach."""
     rows, cols = z.shape
-    known = z if valid is None else z[valid]
-    middle = (float(known.min()) + float(known.max())) / 2 if known.size else 0.0
-    ground = np.full((rows + 2 * reach, cols + 2 * reach), _ABYSS, np.float32)
+    ground = np.full((rows + 2 * reach, cols + 2 * reach), _ABYSS, z.dtype)
     inner = ground[reach : reach + rows, reach : reach + cols]
-    inner[...] = (z if z.dtype == np.float32 else z - middle) * z.dtype.type(sign)
+    np.multiply(z, z.dtype.type(sign), out=inner)
     if valid is not None:
         inner[~valid] = _ABYSS
     if mirror:
@@ -249,7 +247,7 @@ def _raise(best, ground, row, low, high, reach, cells, weights, begin, end):  # 
     here = ground[row + reach, reach + low : reach + high]
     count = high - low
     for i in range(count):
-        best[i] = np.float32(_ABYSS)
+        best[i] = _ABYSS
     for t in range(begin, end):
         a, b = weights[t, 0], weights[t, 1]
         r, c = row + reach + cells[t, 0, 0], reach + low + cells[t, 0, 1]
@@ -279,7 +277,7 @@ def _sky(ground, reach, first, cells, weights, deepest, best, out):  # type: ign
                 a, b = first[ray], first[ray + 1]
                 _raise(best, ground, row, low, high, reach, cells[line], weights[line], a, b)
                 for i in range(high - low):
-                    slope = best[i] if best[i] > zero else zero
+                    slope = np.float32(best[i]) if best[i] > zero else zero
                     target[i] -= share * slope / np.float32(math.sqrt(one + slope * slope))
 
 
@@ -296,7 +294,7 @@ def _open(ground, reach, first, cells, weights, deepest, best, out):  # type: ig
                 a, b = first[ray], first[ray + 1]
                 _raise(best, ground, row, low, high, reach, cells[line], weights[line], a, b)
                 for i in range(high - low):
-                    angle = _arctangent(best[i])
+                    angle = _arctangent(np.float32(best[i]))
                     target[i] -= share * (angle if best[i] > np.float32(_UNSEEN) else deepest)
 
 
