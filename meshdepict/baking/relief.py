@@ -205,7 +205,7 @@ class Relief:
         if not valid[window.inner].any():
             return None
         row, column = window.outer_rows.start, window.outer_columns.start
-        field = window_of(self.extent, row, column, z, valid, level=self._level)
+        field = window_of(self.extent, row, column, z, valid)
         return field.raised(self.look.z_factor)
 
     def _space(self, field: HeightField) -> HeightSpace:
@@ -251,20 +251,6 @@ class Relief:
 
     def _shade(self, light: Lighting, space: HeightSpace) -> NDArray[np.float32]:
         return self.look.shade(space, light, self.eye)
-
-    @functools.cached_property
-    def _level(self) -> float:
-        """The `HeightField.level` of the whole."""
-        columns, rows = self.extent.size
-        for down, across in typical_places(rows, columns):
-            tops = range(*down.indices(rows)) if down.step else range(down.start, down.start + 1)
-            for top in tops:  # a row of cells apart from each other, or a block of some rows
-                span = slice(top, top + 1 if down.step else down.stop)
-                z, valid = self._terrain.read(span, slice(across.start, across.stop))
-                known = z[:, :: across.step or 1][valid[:, :: across.step or 1]]
-                if known.size:
-                    return float(known[0])
-        return 0.0
 
     # --- all of it --------------------------------------------------------------------------
 

@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from meshdepict.heights.level import middle_height
 from meshdepict.threads import each, kernel, spans, thread_count
 
 __all__ = ["dominances"]
@@ -27,7 +26,6 @@ def dominances(
     farthest: int = 20,
     directions: int = 24,
     observer: float = 1.7,
-    middle: float | None = None,
 ) -> Singles:
     """Return Σ max(0, h + observer − h_j)(2d_j + 1)/d_j over rings, relative to level land.
 
@@ -45,8 +43,6 @@ def dominances(
         Cells on each ring.
     observer : float
         Height of the eye above the ground, in the heights' unit.
-    middle : float, optional
-        A height that others in double precision are counted from; their middle unless given.
 
     Returns
     -------
@@ -57,16 +53,15 @@ def dominances(
     turn = np.radians(np.arange(directions) * (360 / directions))
     down = np.rint(np.outer(np.sin(turn), rings)).astype(np.int64).ravel()
     across = np.rint(np.outer(np.cos(turn), rings)).astype(np.int64).ravel()
-    weights = np.tile((2 * rings + 1) / rings, directions).astype(np.float32)
+    weights = np.tile((2 * rings + 1) / rings, directions).astype(z.dtype)
     rows, cols = z.shape
-    ground = np.full((rows + 2 * farthest, cols + 2 * farthest), _SUMMIT, np.float32)
+    ground = np.full((rows + 2 * farthest, cols + 2 * farthest), _SUMMIT, z.dtype)
     inner = ground[farthest : farthest + rows, farthest : farthest + cols]
-    middle = middle_height(z, valid) if middle is None else middle
-    inner[...] = z if z.dtype == np.float32 else z - middle
+    inner[...] = z
     if valid is not None:
         inner[~valid] = _SUMMIT
     out = np.ones(z.shape, np.float32)
-    eye = np.float32(observer)
+    eye = z.dtype.type(observer)
     each(
         lambda a, b: _seen(ground, farthest, -down, -across, weights, eye, out, a, b),
         spans(rows, max(thread_count(), rows // _ROWS)),
@@ -78,8 +73,8 @@ def dominances(
 
 @kernel("contracted")
 def _seen(ground, reach, down, across, weights, eye, out, begin, end):  # type: ignore[no-untyped-def]
-    sums, norms = np.empty(_CHUNK, np.float32), np.empty(_CHUNK, np.float32)
-    zero, none, cols = np.float32(0), np.float32(_SUMMIT / 2), out.shape[1]
+    sums, norms = np.empty((2, _CHUNK), ground.dtype)
+    zero, none, cols = eye - eye, _SUMMIT / 2, out.shape[1]
     for row in range(begin, end):
         for low in range(0, cols, _CHUNK):
             count = min(_CHUNK, cols - low)

@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from meshdepict.heights.level import middle_height
 from meshdepict.threads import thread_count
 
 __all__ = ["filled", "texture"]
@@ -68,7 +67,8 @@ def filled(z: NDArray[Any], valid: NDArray[np.bool_] | None) -> Singles:
     Holes are filled from averages over squares twice, four times … as wide, each interpolated: no
     step arises where they begin, and heights themselves stay as they are.
     """
-    middle = middle_height(z, valid)
+    known = z if valid is None else z[valid]
+    middle = (float(known.min()) + float(known.max())) / 2 if known.size else 0.0
     ground = (z - z.dtype.type(middle)).astype(np.float32)
     if valid is None or valid.all():
         return ground

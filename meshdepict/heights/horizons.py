@@ -13,7 +13,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshdepict.errors import MeshdepictError
-from meshdepict.heights.level import middle_height
 from meshdepict.options import nearest
 from meshdepict.threads import each, kernel, spans, thread_count
 
@@ -52,7 +51,6 @@ def sky_shares(
     directions: int = 16,
     radius: float = 10.0,
     horizon: str = "lines",
-    middle: float | None = None,
 ) -> Singles:
     """Return the sky-view factor 1 − mean sin max(γ, 0), γ the horizon's height (Zakšek 2011).
 
@@ -68,8 +66,6 @@ def sky_shares(
         "lines": heights along straight lines, between cells in proportion. "cells": the cells that
         a line passes, where their centres are, as the Relief Visualization Toolbox has it; the
         border mirrors.
-    middle : float, optional
-        A height that others in double precision are counted from; their middle unless given.
 
     Returns
     -------
@@ -82,7 +78,7 @@ def sky_shares(
         For another horizon.
     """
     out = np.ones(z.shape, np.float32)
-    _looked(_sky, z, valid, steps, directions, radius, horizon, 1.0, out, middle)
+    _looked(_sky, z, valid, steps, directions, radius, horizon, 1.0, out)
     return out
 
 
@@ -95,13 +91,12 @@ def open_angles(
     radius: float = 10.0,
     horizon: str = "lines",
     negative: bool = False,
-    middle: float | None = None,
 ) -> Singles:
     """Return the openness mean(90° − γ) in degrees, γ with its sign (Yokoyama et al. 2002).
 
     Parameters
     ----------
-    z, valid, steps, directions, radius, horizon, middle
+    z, valid, steps, directions, radius, horizon
         As for `sky_shares`.
     negative : bool
         Whether of −z: how open the ground is, seen from below.
@@ -113,8 +108,7 @@ def open_angles(
         level.
     """
     out = np.full(z.shape, 90, np.float32)
-    sign = -1.0 if negative else 1.0
-    _looked(_open, z, valid, steps, directions, radius, horizon, sign, out, middle)
+    _looked(_open, z, valid, steps, directions, radius, horizon, -1.0 if negative else 1.0, out)
     return out
 
 
@@ -141,9 +135,8 @@ def horizon_reach(radius: float) -> int:
 def _looked(
     look: Any, z: NDArray[Any], valid: NDArray[np.bool_] | None, steps: Floats,
     directions: int, radius: float, horizon: str, sign: float, out: Singles,
-    middle: float | None = None,
 ) -> None:  # fmt: skip
-    """Run a kernel over all rows, heights and slopes in single precision."""
+    """Run a kernel over all rows, in the precision of the heights."""
     if horizon not in HORIZONS:
         raise MeshdepictError(
             f"horizon={horizon!r} is not one of {', '.join(HORIZONS)}{nearest(horizon, HORIZONS)}"
@@ -151,14 +144,14 @@ def _looked(
     rays_of = _cell_rays if horizon == "cells" else _line_rays
     same = rays_of(steps, directions, radius) if len(steps) == 1 else None
     reach = horizon_reach(radius)
-    ground = _padded(z, valid, reach, sign, middle, mirror=horizon == "cells")
+    ground = _padded(z, valid, reach, sign, mirror=horizon == "cells")
     deepest = np.float32(_DEEPEST if horizon == "cells" else 0)
 
     def work(begin: int, end: int) -> None:
         first, cells, weights = same or rays_of(steps[begin:end], directions, radius)
-        best = np.empty(_CHUNK, np.float32)
+        best = np.empty(_CHUNK, ground.dtype)
         look(
-            ground[begin : end + 2 * reach], reach, first, cells, weights.astype(np.float32),
+            ground[begin : end + 2 * reach], reach, first, cells, weights.astype(ground.dtype),
             deepest, best, out[..., begin:end, :],
         )  # fmt: skip
 
@@ -168,20 +161,13 @@ def _looked(
 
 
 def _padded(
-    z: NDArray[Any],
-    valid: NDArray[np.bool_] | None,
-    reach: int,
-    sign: float,
-    middle: float | None,
-    *,
-    mirror: bool,
-) -> Singles:
-    """Return heights ± in single precision, from their middle, with a rim as wide as rays reach."""
+    z: NDArray[Any], valid: NDArray[np.bool_] | None, reach: int, sign: float, *, mirror: bool
+) -> NDArray[Any]:
+    """Return heights ± with a rim as wide as rays reach."""
     rows, cols = z.shape
-    middle = middle_height(z, valid) if middle is None else middle
-    ground = np.full((rows + 2 * reach, cols + 2 * reach), _ABYSS, np.float32)
+    ground = np.full((rows + 2 * reach, cols + 2 * reach), _ABYSS, z.dtype)
     inner = ground[reach : reach + rows, reach : reach + cols]
-    inner[...] = (z if z.dtype == np.float32 else z - middle) * z.dtype.type(sign)
+    np.multiply(z, z.dtype.type(sign), out=inner)
     if valid is not None:
         inner[~valid] = _ABYSS
     if mirror:
@@ -261,7 +247,7 @@ def _raise(best, ground, row, low, high, reach, cells, weights, begin, end):  # 
     here = ground[row + reach, reach + low : reach + high]
     count = high - low
     for i in range(count):
-        best[i] = np.float32(_ABYSS)
+        best[i] = _ABYSS
     for t in range(begin, end):
         a, b = weights[t, 0], weights[t, 1]
         r, c = row + reach + cells[t, 0, 0], reach + low + cells[t, 0, 1]
@@ -291,7 +277,7 @@ def _sky(ground, reach, first, cells, weights, deepest, best, out):  # type: ign
                 a, b = first[ray], first[ray + 1]
                 _raise(best, ground, row, low, high, reach, cells[line], weights[line], a, b)
                 for i in range(high - low):
-                    slope = best[i] if best[i] > zero else zero
+                    slope = np.float32(best[i]) if best[i] > zero else zero
                     target[i] -= share * slope / np.float32(math.sqrt(one + slope * slope))
 
 
@@ -308,7 +294,7 @@ def _open(ground, reach, first, cells, weights, deepest, best, out):  # type: ig
                 a, b = first[ray], first[ray + 1]
                 _raise(best, ground, row, low, high, reach, cells[line], weights[line], a, b)
                 for i in range(high - low):
-                    angle = _arctangent(best[i])
+                    angle = _arctangent(np.float32(best[i]))
                     target[i] -= share * (angle if best[i] > np.float32(_UNSEEN) else deepest)
 
 

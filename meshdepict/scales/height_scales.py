@@ -126,7 +126,6 @@ class HeightSpace(ScaleSpace):
         return {
             "directions": max(3, round(math.sqrt(rays))),
             "radius": min(radius, float(max(self.shape.size))),
-            "middle": self.shape.level,
         }
 
     def of_vertices(self, values: NDArray[Any]) -> NDArray[Any]:

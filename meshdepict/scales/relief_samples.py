@@ -127,12 +127,17 @@ class ReliefSamples(NormalSets):
     def ball_shares(self, radii: Sequence[float]) -> NDArray[np.float64]:
         """Return the shares (k, n) of balls about the samples that lie below the surface.
 
-        ``radii`` are in diagonals of the shape; see `sums.ball_shares`.
+        ``radii`` are in diagonals of the shape; see `sums.ball_shares`. The last ones are kept.
         """
         from meshdepict.sums import ball_shares
 
-        given = self.unit_points, self.normals_at(0), self.unit_areas
-        return ball_shares.ball_shares(*given, radii)
+        known, shares = getattr(self, "_balls", ((), np.empty(0)))
+        if known != tuple(radii):
+            given = self.unit_points, self.normals_at(0), self.unit_areas
+            shares = ball_shares.ball_shares(*given, radii)
+            shares.setflags(write=False)
+            self._balls = tuple(radii), shares
+        return shares
 
     def from_heights(self, find: Callable[[HeightField], NDArray[Any]]) -> NDArray[Any]:
         """Return at the samples (n, …) what is found of heights on a raster (rows, columns, …).

@@ -67,7 +67,7 @@ def local_dominance(
         valid = None if field.whole else field.valid
         return dominances(
             field.z, valid,
-            nearest=nearest, farthest=farthest, observer=observer, middle=field.level,
+            nearest=nearest, farthest=farthest, observer=observer,
         )  # fmt: skip
 
     found = space.from_heights(dominance)

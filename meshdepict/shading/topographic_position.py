@@ -59,10 +59,7 @@ def topographic_position(
     def colours(field: HeightField) -> NDArray[np.float32]:
         valid = None if field.whole else field.valid
         return np.stack(
-            [
-                deviations(field.z, valid, radius, middle=field.level, origin=field.origin)
-                for radius in (broad, meso, local)
-            ],
+            [deviations(field.z, valid, radius) for radius in (broad, meso, local)],
             axis=2,
         )
 

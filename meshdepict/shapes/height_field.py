@@ -14,7 +14,6 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from meshdepict.errors import MeshdepictError
-from meshdepict.heights.spread_cells import typical_places
 from meshdepict.options import real
 from meshdepict.scene.vectors import frozen
 from meshdepict.shapes.fingerprint import fingerprint
@@ -75,8 +74,6 @@ class HeightField(RasterPlace):
 
     kind = "height field"
     length_unit = "m"
-    origin = 0, 0
-    """Row and column of its first cell in the raster that it is a window of."""
 
     def __init__(
         self,
@@ -111,16 +108,6 @@ class HeightField(RasterPlace):
         self.before: HeightField | None = None
 
     # --- the raster -------------------------------------------------------------------------
-
-    @cached_property
-    def level(self) -> float:
-        """A height that others may be counted from, the same one in all windows of a raster."""
-        columns, rows = self.size
-        for at in typical_places(rows, columns):
-            known = self.z[at][self.valid[at]]
-            if known.size:
-                return float(known[0])
-        return 0.0
 
     @cached_property
     def whole(self) -> bool:
@@ -189,7 +176,7 @@ class HeightField(RasterPlace):
         """
         top, left = rows.indices(self.z.shape[0])[0], columns.indices(self.z.shape[1])[0]
         z, valid = self.z[rows, columns], self.valid[rows, columns]
-        part = window_of(self, top, left, z, valid, attributes=self.attributes, level=self.level)
+        part = window_of(self, top, left, z, valid, attributes=self.attributes)
         part.z_factor = self.z_factor
         part.before = None if self.before is None else self.before.window(rows, columns)
         return part
@@ -213,10 +200,7 @@ class HeightField(RasterPlace):
             heights = self.z * self.z.dtype.type(times)
         if not np.isfinite(heights).all():
             raise MeshdepictError(f"z_factor={factor:g} makes heights grow beyond all numbers")
-        found = window_of(
-            self, 0, 0, heights, self.valid, attributes=self.attributes, level=self.level * times
-        )
-        found.origin = self.origin
+        found = window_of(self, 0, 0, heights, self.valid, attributes=self.attributes)
         found.z_factor, found.before = self.z_factor * times, self.before or self
         return found
 
@@ -311,7 +295,6 @@ def window_of(
     valid: NDArray[np.bool_],
     *,
     attributes: Mapping[str, Any] | None = None,
-    level: float | None = None,
 ) -> HeightField:
     """Return a window of a raster that begins at a cell, in that raster's very steps.
 
@@ -324,9 +307,6 @@ def window_of(
         z, transform=place.moved(row, column), crs=place.crs, degrees=place.degrees,
         unit=place.unit, valid=valid, attributes=attributes,
     )  # fmt: skip
-    field.origin = row, column
-    if level is not None:
-        field.level = level
     if len(place.steps) > 1:  # computed again they would differ in their last digit
         field.steps = place.steps[row : row + len(z)]
     return field

@@ -22,7 +22,8 @@ Floats = NDArray[np.float64]
 # By how much the integral of 1/‖x‖ exceeds its sum over a square lattice without the origin, in
 # edges of its cells over 2π. A hexagonal lattice of the same area has 0.624.
 _OWN = 0.621
-_NEAR = 2.5  # edges of a cell: who says how a point's own area is bent
+_CELL = 0.5  # of the largest radius: a cell's side
+_NEAR = 3.0  # edges of a cell, at which none says any more how a point's own area is bent
 
 
 def exact_shares(points: Floats, normals: NDArray[Any], areas: Floats, radius: float) -> Floats:
@@ -68,9 +69,9 @@ def ball_shares(
         In [0, 1]; ½ on a plane, less on a bump, more in a hollow.
     """
     wide = np.asarray(radii, np.float64)
-    order = np.argsort(wide)
+    largest = float(wide.max())
     low, high = points.min(axis=0), points.max(axis=0)
-    side = max(float(wide.max()), float((high - low).max()) / 1e6)
+    side = max(_CELL * largest, float((high - low).max()) / 1e6)
     index = ((points - low) / side).astype(np.int64)
     shape = index.max(axis=0) + 1
     keys = (index[:, 2] * shape[1] + index[:, 1]) * shape[0] + index[:, 0]
@@ -78,68 +79,112 @@ def ball_shares(
     keys = keys[sort]
     starts = np.flatnonzero(np.concatenate(([True], keys[1:] != keys[:-1], [True])))
     cells = keys[starts[:-1]]
-    moved, towards = points[sort] - low, normals[sort].astype(np.float64)
-    found = np.empty((len(wide), len(points)))
-    given = moved, towards, areas[sort], cells, starts, shape, wide[order]
+    # In largest radii, so that single precision does, relative to each cell.
+    samples = np.empty((7, len(points)))
+    samples[:3] = (points[sort] - low).T / largest
+    samples[3:6] = normals[sort].T
+    samples[6] = areas[sort] / largest**2
+    threes = np.pad(wide, (0, -len(wide) % 3), mode="edge") / largest
+    found = np.empty((len(threes), len(points)))
+    far = math.ceil(largest / side)
+    given = samples, cells, starts, shape, side / largest, far, threes
     each(lambda a, b: _shares(*given, found, a, b), spans(len(cells), 16 * thread_count()))
-    result = np.empty_like(found)
-    result[np.ix_(order, sort)] = found
+    result = np.empty((len(wide), len(points)))
+    result[:, sort] = found[: len(wide)]
     return np.clip(result, 0, 1)
 
 
 @kernel("contracted")
-def _shares(xyz, normals, areas, cells, starts, shape, radii, found, begin, end):  # type: ignore[no-untyped-def]
-    count = len(radii)
-    most = radii[-1] ** 2
-    squares = radii * radii
-    # Per radius the sums over its shell alone of A d·n and A d·n/‖d‖³.
-    plain, sharp = np.empty(count), np.empty(count)
+def _gathered(samples, cells, starts, shape, key, side, far):  # type: ignore[no-untyped-def]
+    """Copy what lies in the cells around one, relative to its corner: (7, count)."""
+    ix, iy, iz = key % shape[0], (key // shape[0]) % shape[1], key // (shape[0] * shape[1])
+    runs, number, count = np.empty(((2 * far + 1) ** 2, 2), np.int64), 0, 0
+    for jz in range(max(iz - far, 0), min(iz + far + 1, shape[2])):
+        for jy in range(max(iy - far, 0), min(iy + far + 1, shape[1])):
+            row = (jz * shape[1] + jy) * shape[0]
+            a = starts[np.searchsorted(cells, row + max(ix - far, 0))]
+            b = starts[np.searchsorted(cells, row + min(ix + far + 1, shape[0]))]
+            runs[number, 0], runs[number, 1] = a, b
+            number += a < b
+            count += b - a
+    around = np.empty((7, count), np.float32)
+    at = 0
+    for run in range(number):
+        a, b = runs[run, 0], runs[run, 1]
+        for j in range(a, b):
+            around[0, at] = samples[0, j] - ix * side
+            around[1, at] = samples[1, j] - iy * side
+            around[2, at] = samples[2, j] - iz * side
+            at += 1
+        for k in range(3, 7):
+            for j in range(a, b):
+                around[k, at - b + j] = samples[k, j]
+    return around, ix * side, iy * side, iz * side
+
+
+@kernel("free")
+def _sums(around, x, y, z, p, q, s, near, first, second, third):  # type: ignore[no-untyped-def]
+    """Return Σ A d·n and Σ A d·n/‖d‖³ within three radii (squared), and how the nearest bend.
+
+    Nothing is stored, so that the compiler needs not ask what overlaps, and keeps eight in a row.
+    """
+    zero, half, one, least = np.float32(0), np.float32(0.5), np.float32(1), np.float32(1e-12)
+    fade = one / near
+    xs, ys, zs = around[0], around[1], around[2]
+    ps, qs, ss, areas = around[3], around[4], around[5], around[6]
+    a0 = a1 = a2 = b0 = b1 = b2 = bends = weight = zero
+    for j in range(around.shape[1]):
+        dx, dy, dz = xs[j] - x, ys[j] - y, zs[j] - z
+        square = dx * dx + dy * dy + dz * dz
+        inverse = one / np.float32(math.sqrt(max(square, least)))
+        along = dx * ps[j] + dy * qs[j] + dz * ss[j]
+        facing = p * ps[j] + q * qs[j] + s * ss[j]
+        own = dx * p + dy * q + dz * s
+        # From 1 at the point to 0 where none is near, and to 0 on the other side of a sheet.
+        close = max(one - square * fade, zero)
+        same = min(max(facing + facing, zero), one)
+        along -= min(close + close, one) * same * half * (along + own)
+        term = areas[j] * along
+        cube = term * inverse * inverse * inverse
+        a0 += term if square < first else zero
+        b0 += cube if square < first else zero
+        a1 += term if square < second else zero
+        b1 += cube if square < second else zero
+        a2 += term if square < third else zero
+        b2 += cube if square < third else zero
+        bends += close * cube
+        weight += close * (areas[j] * inverse if square > least else zero)
+    return a0, b0, a1, b1, a2, b2, bends, weight
+
+
+@kernel("contracted")
+def _shares(samples, cells, starts, shape, side, far, radii, found, begin, end):  # type: ignore[no-untyped-def]
     for cell in range(begin, end):
-        key = cells[cell]
-        ix, iy, iz = key % shape[0], (key // shape[0]) % shape[1], key // (shape[0] * shape[1])
-        runs, number = np.empty((9, 2), np.int64), 0
-        for jz in range(max(iz - 1, 0), min(iz + 2, shape[2])):
-            for jy in range(max(iy - 1, 0), min(iy + 2, shape[1])):
-                row = (jz * shape[1] + jy) * shape[0]
-                a = np.searchsorted(cells, row + max(ix - 1, 0))
-                b = np.searchsorted(cells, row + min(ix + 2, shape[0]))
-                runs[number, 0], runs[number, 1] = starts[a], starts[b]
-                number += 1
+        around, left, low, front = _gathered(samples, cells, starts, shape, cells[cell], side, far)
         for i in range(starts[cell], starts[cell + 1]):
-            x, y, z = xyz[i, 0], xyz[i, 1], xyz[i, 2]
-            p, q, s = normals[i, 0], normals[i, 1], normals[i, 2]
-            plain[:], sharp[:] = 0, 0
-            bends = weight = 0.0
-            near = _NEAR * _NEAR * areas[i]
-            for run in range(number):
-                for j in range(runs[run, 0], runs[run, 1]):
-                    dx, dy, dz = xyz[j, 0] - x, xyz[j, 1] - y, xyz[j, 2] - z
-                    square = dx * dx + dy * dy + dz * dz
-                    if square >= most or square == 0.0:
-                        continue
-                    inverse = 1 / math.sqrt(square)
-                    along = dx * normals[j, 0] + dy * normals[j, 1] + dz * normals[j, 2]
-                    if (
-                        square < near
-                        and p * normals[j, 0] + q * normals[j, 1] + s * normals[j, 2] > 0
-                    ):
-                        along = 0.5 * (along - (dx * p + dy * q + dz * s))
-                    term = areas[j] * along
-                    cube = term * inverse * inverse * inverse
-                    k = 0
-                    while square >= squares[k]:
-                        k += 1
-                    plain[k] += term
-                    sharp[k] += cube
-                    if square < near:
-                        bends += cube
-                        weight += areas[j] * inverse
-            kappa = 2 * bends / weight if weight > 0.0 else 0.0
-            own = _OWN * math.sqrt(areas[i])
-            a = b = 0.0
-            for k in range(count):
-                a += plain[k]
-                b += sharp[k]
-                r = radii[k]
-                share = (a / (r * r * r) - b) / (4 * math.pi)
-                found[k, i] = 0.5 + share - kappa * min(own, r) / 4
+            x, y, z = (
+                np.float32(samples[0, i] - left),
+                np.float32(samples[1, i] - low),
+                np.float32(samples[2, i] - front),
+            )
+            p, q, s = (
+                np.float32(samples[3, i]), np.float32(samples[4, i]), np.float32(samples[5, i]),
+            )  # fmt: skip
+            area = samples[6, i]
+            near = np.float32(max(min(_NEAR * _NEAR * area, 1.0), 1e-12))
+            own = _OWN * math.sqrt(area)
+            for k in range(0, found.shape[0], 3):
+                r0, r1, r2 = radii[k], radii[k + 1], radii[k + 2]
+                a0, b0, a1, b1, a2, b2, bends, weight = _sums(
+                    around, x, y, z, p, q, s, near,
+                    np.float32(r0 * r0), np.float32(r1 * r1), np.float32(r2 * r2),
+                )  # fmt: skip
+                kappa = 2.0 * bends / weight if weight > 0 else 0.0
+                found[k, i] = _share(a0, b0, r0, kappa, own)
+                found[k + 1, i] = _share(a1, b1, r1, kappa, own)
+                found[k + 2, i] = _share(a2, b2, r2, kappa, own)
+
+
+@kernel("contracted", inline=True)
+def _share(plain, sharp, r, kappa, own):  # type: ignore[no-untyped-def]
+    return 0.5 + (plain / (r * r * r) - sharp) / (4 * math.pi) - kappa * min(own, r) / 4
