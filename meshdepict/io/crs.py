@@ -24,6 +24,7 @@ _PLANE = (
 _HEIGHTS = ("VERT_CS", "VERTCS", "VERTCRS", "VERTICALCRS")
 _PARTS = ("COMPD_CS", "COMPOUNDCRS", "BOUNDCRS", "SOURCECRS")
 _DEGREE = math.pi / 180
+_EARTH, _ROUND = 6_378_137.0, 0.01  # metres, and what its ellipsoids differ in and more
 _MOST = 1 << 20  # letters of a system's text
 _DEEPEST = 64  # of what stands inside of what
 
@@ -86,9 +87,28 @@ def units_of(text: str) -> Units:
         raise MeshdepictError(
             "has longitudes and latitudes in another unit than degrees: reproject it (gdalwarp)"
         )
+    radius = _radius(across)
+    if radius is not None and abs(radius / _EARTH - 1) > _ROUND:
+        raise MeshdepictError(
+            f"has degrees on a body of {radius / 1000:,.0f} km, and those of the earth are known: "
+            "reproject it to metres (gdalwarp)"
+        )
     if vertical is None:  # the third axis of longitude, latitude and height
         vertical = next((found for axis in across.nodes if (found := _height_of(axis))), None)
     return Units(degrees=True, vertical=vertical)
+
+
+def _radius(node: _Node) -> float | None:
+    """Return the metres of the equator's radius."""
+    for name in ("SPHEROID", "ELLIPSOID"):
+        datum = next((part for part in node.nodes if part.find(name)), None)
+        found = datum.find(name) if datum else None
+        if found and len(found.values) > 1:
+            try:
+                return float(found.values[1]) * (_number(found, "LENGTHUNIT") or 1.0)
+            except ValueError:
+                return None
+    return None
 
 
 def _height_of(axis: _Node) -> float | None:

@@ -14,6 +14,7 @@ __all__ = ["doubts"]
 
 _LOOK = 128  # rows and columns at the corners and in the middle, which are looked at
 _STEEP = 20.0  # metres of height in a metre: no terrain, but degrees that nobody called so
+_WEB_MERCATOR = ("Pseudo-Mercator", "Pseudo_Mercator", "Mercator_Auxiliary_Sphere")
 _NO_HEIGHTS = (-9999, -32768, -32767, -99999)  # what programs put where there is none
 
 
@@ -35,6 +36,11 @@ def doubts(source: HeightSource) -> list[str]:
                 "degrees: state the system that its coordinates are in (gdal_edit -a_srs)"
             )
         notes.append("its degrees are scaled by latitude, row by row")
+    if any(name in source.crs for name in _WEB_MERCATOR):
+        notes.append(
+            "its metres are Web Mercator's, longer than those on the ground the farther it lies "
+            "from the equator: slopes come out too gentle unless it is warped (gdalwarp)"
+        )
     bare = not source.crs and source.is_placed and not source.degrees
     if not bare and "nodata" in source.attributes:
         return notes

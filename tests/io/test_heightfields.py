@@ -128,6 +128,21 @@ def test_sheared_cells_are_refused(tmp_path):
         read_heightfield(path)
 
 
+def test_degrees_of_another_body_are_refused(tmp_path):
+    moon = "+proj=longlat +R=1737400 +no_defs"
+    path = geotiff(tmp_path / "a.tif", hills(), crs=moon, transform=(0.01, 0, 7, 0, -0.01, 46))
+    with pytest.raises(MeshdepictError, match="degrees on a body of 1,737 km"):
+        read_heightfield(path)
+    path = geotiff(tmp_path / "b.tif", hills(), crs="+proj=stere +lat_0=90 +R=1737400 +no_defs")
+    assert read(path).unit == 1
+
+
+def test_metres_that_are_longer_than_those_on_the_ground_are_noted(tmp_path):
+    path = geotiff(tmp_path / "a.tif", hills(), crs="EPSG:3857")
+    with pytest.warns(MeshdepictWarning, match="Web Mercator's, longer than those on the ground"):
+        assert read_heightfield(path).unit == 1
+
+
 def test_a_terrain_without_a_system_is_in_metres_with_a_note(tmp_path):
     path = geotiff(tmp_path / "a.tif", hills(), crs=None)
     with pytest.warns(MeshdepictWarning, match="no coordinate reference system") as told:
