@@ -33,8 +33,10 @@ Most = Annotated[
     float, Range(0, 180, unit="°", help="openness that is its other end", soft=(90, 150))
 ]
 
-# What the Relief Visualization Toolbox stretches openness between.
+# What the Relief Visualization Toolbox stretches openness between; and, chosen by eye on a lidar
+# tile and a volcano, what tells channels from planes where the grey scale is turned.
 _LEAST, _MOST = 60.0, 95.0
+_LEAST_BELOW, _MOST_BELOW = 80.0, 100.0
 
 
 def _reads(last: int, *, rays: int, radius: float, **_: Any) -> Reads:
@@ -91,8 +93,8 @@ def negative_openness(
     rays: Rays = 256,
     radius: Radius = RADIUS,
     horizon: Horizon = "lines",
-    least: Least = _LEAST,
-    most: Most = _MOST,
+    least: Least = _LEAST_BELOW,
+    most: Most = _MOST_BELOW,
     exposure: Exposure = 1.0,
 ) -> NDArray[np.float32]:
     """Shade by the openness of the ground seen from below: channels and pits are dark.
@@ -103,7 +105,7 @@ def negative_openness(
     Parameters
     ----------
     least, most : float
-        In degrees, shown white and black; a plane has 90.
+        In degrees, shown white and black; a plane has 90, grey.
     """
     del light
     angles = space.open_angles(rays=rays, radius=radius, horizon=horizon, negative=True)

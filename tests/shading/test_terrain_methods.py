@@ -260,7 +260,7 @@ def test_cells_are_about_terrain(name: str) -> None:
 @pytest.mark.parametrize("name", ["positive_openness", "negative_openness"])
 def test_a_grey_scale_without_a_width_is_refused(name: str, rough: np.ndarray) -> None:
     with pytest.raises(MeshdepictError, match=f"{name}: least=95 is not below most=95"):
-        shading.METHODS[name](space_of(rough), None, least=95.0)
+        shading.METHODS[name](space_of(rough), None, least=95.0, most=95.0)
 
 
 def test_crests_are_open_and_channels_are_not() -> None:
@@ -297,10 +297,20 @@ def test_position_is_broad_red_meso_green_local_blue(rough: np.ndarray) -> None:
 def test_dominance_shows_level_land_where_one_lies_and_refuses_turned_rings() -> None:
     level = space_of(np.zeros((50, 50)))
     np.testing.assert_allclose(shading.local_dominance(level, None), 0.5 / 1.3, atol=1e-5)
-    with pytest.raises(MeshdepictError, match="nearest, farthest are in the wrong order"):
+    with pytest.raises(MeshdepictError, match="nearest=9 is beyond farthest=8"):
         shading.local_dominance(level, None, nearest=9, farthest=8)
-    with pytest.raises(MeshdepictError, match="darkest, brightest are in the wrong order"):
+    with pytest.raises(MeshdepictError, match="darkest=1 is not below brightest=1"):
         shading.local_dominance(level, None, darkest=1.0, brightest=1.0)
+
+
+def test_steep_land_has_a_white_of_its_own_which_is_written_down(rough: np.ndarray) -> None:
+    steep = md.bake(HeightField(30 * rough), "local_dominance")
+    white = float(steep.look.options["brightest"])
+    assert white > 1.8
+    assert 0.02 < (steep.intensity == 1).mean() < 0.08
+    gentle = md.bake(HeightField(0.01 * rough), "local_dominance")
+    assert float(gentle.look.options["brightest"]) == 1.8
+    assert shading.local_dominance.declaration.fits(None, {}) == {"brightest": 1.8}
 
 
 @pytest.mark.parametrize("depth", [0.1, 1.0])
