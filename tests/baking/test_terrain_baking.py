@@ -140,7 +140,7 @@ def test_a_scale_space_has_the_heights_that_it_was_made_with(field):
     space = scale_space(field.raised(3), scales=9)
     np.testing.assert_array_equal(md.bake(space).colors, md.bake(field, z_factor=3).colors)
     np.testing.assert_array_equal(md.bake(space, z_factor=3).colors, md.bake(space).colors)
-    with pytest.raises(MeshdepictError, match="z_factor=2 comes too late: .* are 3 times"):
+    with pytest.raises(MeshdepictError, match=r"z_factor=2 comes too late: .* are 3 times"):
         md.bake(space, z_factor=2)
 
 
