@@ -1,12 +1,4 @@
-"""``da.depict`` on xarray's DataArrays: relief of terrain, at the same coordinates.
-
-``import meshdepict.xarray`` makes it known, as ``import rioxarray`` does ``da.rio``::
-
-    import meshdepict.xarray, rioxarray
-
-    shaded = rioxarray.open_rasterio("dem.tif").depict.exaggerated(z_factor=2)
-    shaded.plot.imshow(cmap="gray")
-"""
+"""What ``da.depict`` does."""
 
 from __future__ import annotations
 
@@ -109,6 +101,3 @@ def register() -> None:
         raise MeshdepictError("da.depict needs xarray: pip install 'meshdepict[xarray]'") from None
     if getattr(xarray.DataArray, "depict", None) is not Depict:
         xarray.register_dataarray_accessor("depict")(Depict)
-
-
-register()
