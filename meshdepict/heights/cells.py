@@ -81,13 +81,15 @@ def metric_steps(transform: Transform, rows: int, *, degrees: bool, unit: float)
             "a raster in degrees is turned against north: warp it first, best to metres (gdalwarp)"
         )
     latitude = f + e * (np.arange(rows) + 0.5)
-    if not (np.abs(latitude) < 90).all():
+    if not (np.abs(latitude) <= 90 + 1e-9).all():
         raise MeshdepictError(
             f"rows at latitudes from {latitude.min():.6g} to {latitude.max():.6g} degrees: degrees "
             "beyond the poles, or no degrees at all; say what the unit is"
         )
     steps = np.repeat(step * METRES_PER_DEGREE, rows, axis=0)
-    steps[:, 0] *= np.cos(np.radians(latitude))[:, None]
+    # A row at a pole has the steps of a quarter of a cell beside it: none would be no steps at all.
+    least = math.cos(math.radians(max(0.0, 90 - abs(e) / 4)))
+    steps[:, 0] *= np.maximum(np.cos(np.radians(latitude)), least)[:, None]
     return steps
 
 

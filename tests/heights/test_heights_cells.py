@@ -57,3 +57,11 @@ def test_a_turned_raster_is_not_sheared():
 def test_degrees_that_are_none_are_refused(transform, said):
     with pytest.raises(MeshdepictError, match=said):
         metric_steps(transform, 3, degrees=True, unit=1.0)
+
+
+def test_rows_at_the_poles_have_steps():
+    steps = metric_steps((1, 0, -0.5, 0, -1, 90.5), 181, degrees=True, unit=1.0)
+    along = steps[:, 0, 0]
+    assert (along > 0).all()
+    assert along[0] == pytest.approx(along[-1])
+    assert along.max() == pytest.approx(METRES_PER_DEGREE)

@@ -79,19 +79,11 @@ def test_points_in_single_precision_are_even_as_far_as_they_can_be():
 def test_images_that_lie_level_are_terrain():
     image = pv.ImageData(dimensions=(6, 4, 1), spacing=(0.5, 2, 1), origin=(10, 20, 5))
     image["h"] = np.arange(24.0)
-<<<<<<< HEAD
-    field, _there = image_ground(image, "point", "h")
-    expected = np.asarray(image.points) + np.outer(np.arange(24.0), (0, 0, 1))
-    np.testing.assert_allclose(field.points, expected)
-    image.direction_matrix = [[0, -1, 0], [1, 0, 0], [0, 0, 1]]  # a quarter turn on the ground
-    field, _there = image_ground(image, "point", "h")
-=======
     field, _ = image_ground(image, "point", "h")
     expected = np.asarray(image.points) + np.outer(np.arange(24.0), (0, 0, 1))
     np.testing.assert_allclose(field.points, expected)
     image.direction_matrix = [[0, -1, 0], [1, 0, 0], [0, 0, 1]]  # a quarter turn on the ground
     field, _ = image_ground(image, "point", "h")
->>>>>>> drape
     expected = np.asarray(image.points) + np.outer(np.arange(24.0), (0, 0, 1))
     np.testing.assert_allclose(field.points, expected)
     image.direction_matrix = [[1, 0, 0], [0, 0, -1], [0, 1, 0]]  # on its edge

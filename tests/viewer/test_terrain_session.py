@@ -74,17 +74,8 @@ def test_a_light_that_was_dragged_stays_where_it_is_while_terrain_rises(session,
 def test_the_eye_stays_before_the_same_place(session):
     session.look("isometric")
     turned = session.view
-<<<<<<< HEAD
-    moved = md.View(
-        turned.position + np.array([5, 0, 0]),
-        turned.focus + np.array([5, 0, 0]),
-        turned.up,
-        parallel_scale=9.0,
-    )
-=======
     aside = np.array([5, 0, 0])
     moved = md.View(turned.position + aside, turned.focus + aside, turned.up, parallel_scale=9.0)
->>>>>>> drape
     session.look(moved)
     session.set(z_factor=4)
     rise = session.view.focus - moved.focus
