@@ -44,7 +44,7 @@ def light_error(space: ScaleSpace, look: Choices, view: View) -> float | None:
     known = options_of(look.function)
     if not (has_environment(look.light) and "lights" in known and look.declared.local):
         return None
-    chosen = np.arange(0, len(space.points), max(1, len(space.points) // _PROBES))
+    chosen = np.arange(0, space.count, max(1, space.count // _PROBES))
     corners = np.repeat(chosen[:, None], 3, axis=1)
     probes = InterpolatedSpace(space, corners, np.eye(3)[np.zeros(len(chosen), int)])
     count = int(look.options.get("lights", known["lights"].default))

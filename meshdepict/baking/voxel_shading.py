@@ -130,7 +130,7 @@ class VoxelShading:
         space, size = self._space(piece, low, high)
         rgba, count = np.zeros((*size, 4), np.uint8), 0
         if space is not None:
-            intensity = self.shade(space) if len(space.points) else np.empty(0, np.float32)
+            intensity = self.shade(space) if space.count else np.empty(0, np.float32)
             self.paint(space, intensity, rgba, begin)
             places = space.samples.indices()[:, ::-1]
             count = int(((places >= low) & (places < high)).all(axis=1).sum())

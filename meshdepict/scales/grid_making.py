@@ -106,7 +106,7 @@ def space_of_mask(
         volume, piece, samples, widths, ratio,
         transfer=transfer, tolerance=tolerance, at_once=at_once, progress=progress,
     )  # fmt: skip
-    if not len(space.points):
+    if not space.count:
         raise MeshdepictError("the voxels shown are all alike, so that there is nothing to shade")
     return space
 

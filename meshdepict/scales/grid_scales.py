@@ -92,7 +92,7 @@ class GridSpace(ScaleSpace):
     @property
     def shaded_share(self) -> float:
         """Samples over all voxels of the volume."""
-        return len(self.points) / self.shape.n_samples
+        return self.count / self.shape.n_samples
 
     @cached_property
     def base_color(self) -> NDArray[np.float32]:
@@ -171,7 +171,7 @@ class GridSpace(ScaleSpace):
         from meshdepict.curvature.grid import HESSIAN, isosurface_curvatures
 
         spacing = self.shape.spacing
-        found = np.empty((9, len(self.points)), np.float32)
+        found = np.empty((9, self.count), np.float32)
         widths = in_voxels(float(self.widths[scale]), self.shape)
         self._sums.derivatives(widths, (*GRADIENT, *HESSIAN), found)
         floor = least_gradient(float(self.widths[scale]), self.shape)

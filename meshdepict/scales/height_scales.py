@@ -52,7 +52,12 @@ class HeightSpace(ScaleSpace):
             slopes *= known
             slopes = np.concatenate([slopes, known[None].astype(np.float32)])
         self._block = slopes
-        super().__init__(field, field.points, widths, ratio, own, facing=0, tolerance=tolerance)
+        super().__init__(field, None, widths, ratio, own, facing=0, tolerance=tolerance)
+
+    @property
+    def points(self) -> NDArray[np.float64]:
+        """(n, 3) positions in metres; nobody needs them to shade relief, and they are large."""
+        return self.shape.points
 
     @property
     def surface(self) -> Mesh:
@@ -73,7 +78,7 @@ class HeightSpace(ScaleSpace):
     @property
     def zenith(self) -> NDArray[np.float64]:
         """Up."""
-        return np.broadcast_to(self.vertical, self.points.shape)
+        return np.broadcast_to(self.vertical, (self.count, 3))
 
     @property
     def unit_areas(self) -> NDArray[np.float64]:

@@ -29,7 +29,16 @@ class ReliefSamples(NormalSets):
     """Samples as maps of terrain look at them; the base of `ScaleSpace`."""
 
     shape: Shape
-    points: NDArray[np.float64]
+
+    @property
+    def points(self) -> NDArray[np.float64]:
+        """(n, 3) world positions of the samples."""
+        raise NotImplementedError
+
+    @property
+    def count(self) -> int:
+        """Number of samples."""
+        return self.planes_at(0).shape[1]
 
     @property
     def surface(self) -> Mesh:

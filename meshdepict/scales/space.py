@@ -56,7 +56,7 @@ class ScaleSpace(ReliefSamples):
     def __init__(
         self,
         shape: Shape,
-        points: NDArray[np.float64],
+        points: NDArray[np.float64] | None,
         widths: NDArray[np.float64],
         ratio: float,
         own: NDArray[Any],
@@ -67,7 +67,7 @@ class ScaleSpace(ReliefSamples):
     ) -> None:
         super().__init__(widths, own, planes)
         self.shape = shape
-        self.points = points
+        self._points = points
         self.ratio = ratio
         self.facing = facing
         self.tolerance = tolerance
@@ -75,6 +75,12 @@ class ScaleSpace(ReliefSamples):
         self._creases: dict[int, NDArray[np.float32]] = {}
         self._seen: dict[tuple[int, float], tuple[tuple[Any, ...], ViewCurvature]] = {}
         self._openness: dict[int, Openness] = {}
+
+    @property
+    def points(self) -> NDArray[np.float64]:
+        """(n, 3) world positions of the samples."""
+        assert self._points is not None  # or somebody else knows them
+        return self._points
 
     @property
     def finest_width(self) -> float:
@@ -192,13 +198,13 @@ class ScaleSpace(ReliefSamples):
         """Return the number of samples and the range of widths."""
         count = len(self.widths) - 1
         widths = f", widths {self.widths[1]:.4g} … {self.widths[-1]:.4g}" if count else ""
-        return f"<ScaleSpace: {len(self.points):,} samples, {count} scales{widths}>"
+        return f"<ScaleSpace: {self.count:,} samples, {count} scales{widths}>"
 
     def _repr_html_(self) -> str:
         """Return a table for notebooks."""
         rows = [
             ("of", repr(self.shape).strip("<>")),
-            ("samples", f"{len(self.points):,}"),
+            ("samples", f"{self.count:,}"),
             ("scales", str(len(self.widths) - 1)),
         ]
         if len(self.widths) > 1:

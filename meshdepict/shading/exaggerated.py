@@ -219,7 +219,7 @@ def exaggerated(
     )  # fmt: skip
     steep = per_band(space, tones["exaggeration"], len(weights) if one_light else None)
     if contrast == 0:
-        return exposed(np.full(len(space.points), 0.5, np.float32), exposure)
+        return exposed(np.full(space.count, 0.5, np.float32), exposure)
     if one_light:
         if focus is not None or principal_strength:
             raise MeshdepictError(

@@ -30,7 +30,7 @@ def combine_bands(
     Single precision, like the normals. The projected light is formed as a vector, for
     ‖l_{i+1}‖² = 1 − (n_{i+1}·l)² would lose its digits where the light stands along a normal.
     """
-    count = len(space.points)
+    count = space.count
     sums = np.empty(count, np.float32)
     arguments = (
         space.planes, light.astype(np.float32), weights.astype(np.float32),
@@ -78,7 +78,7 @@ def combine_cosines(
     exaggeration: NDArray[np.float64],
 ) -> NDArray[np.float32]:
     """Return Σ_i k_i clamp(a_i n_i·l) over all scales, 0 to the coarsest, not yet clipped."""
-    count = len(space.points)
+    count = space.count
     sums = np.empty(count, np.float32)
     arguments = (
         space.planes, light.astype(np.float32), weights.astype(np.float32),

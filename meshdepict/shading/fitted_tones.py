@@ -145,7 +145,7 @@ def _rounded(number: float) -> float:
 
 def _some(space: ScaleSpace) -> Single:
     """Return normals (scales + 1, k, 3) of samples that stand for all."""
-    step = max(1, math.ceil(len(space.points) / _SAMPLES))
+    step = max(1, math.ceil(space.count / _SAMPLES))
     return np.ascontiguousarray(space.normals[:, ::step])
 
 

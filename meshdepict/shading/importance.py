@@ -52,7 +52,7 @@ def importance_at(space: ScaleSpace, view: View, importance: ArrayLike | Samples
     MeshdepictError
         For anything else, and numbers beyond 0 … 1.
     """
-    count = len(space.points)
+    count = space.count
     if isinstance(importance, str):
         share = _named(space, view, importance)
     else:

@@ -37,7 +37,7 @@ def _missing(space: ScaleSpace, radius: float, balls: int) -> NDArray[np.float64
     """Return what is missing to half a ball, on average."""
     largest = radius * space.shape.edge_length / (space.shape.diagonal or 1.0)
     if not largest > 0:
-        return np.zeros(len(space.points))
+        return np.zeros(space.count)
     shares = space.ball_shares([largest / 2**k for k in range(balls)])
     found: NDArray[np.float64] = 0.5 - shares.mean(axis=0)
     return found

@@ -262,7 +262,7 @@ def light_alignment(
         frosting=frosting, sharpness=sharpness, diffuse_strength=diffuse_strength,
         specular_strength=glossy_strength, transmitted_strength=clear_strength,
     )  # fmt: skip
-    total = np.full((len(space.points), 1), ambient_term(surface), np.float32)
+    total = np.full((space.count, 1), ambient_term(surface), np.float32)
     lamps, environments = parted(light, eye)
     kind, parameters = kernel_parameters(surface)
     sampled = [e for e in environments if needs_samples(e, kind, parameters)]

@@ -76,7 +76,7 @@ def mean_curvature(
     if gain is None:
         gain = _STRONGER * DEFAULT_GAIN[curvature]
     if gain == 0:
-        return exposed(np.full(len(space.points), 0.5, np.float32), exposure)
+        return exposed(np.full(space.count, 0.5, np.float32), exposure)
     eye = sight(view, space, fitted=curvature == "view")
     kappa = convexity(
         space, eye, curvature=curvature, scale=scale, gain=gain, foreshortening=foreshortening

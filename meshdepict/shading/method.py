@@ -174,7 +174,7 @@ def method(
                 key: value for key, value in given.items() if key in known or key not in others
             }
             values = function(space, light, **{**given, **check(function, options, name)})
-            return values if ours else _proper(values, len(space.points), name)
+            return values if ours else _proper(values, space.count, name)
 
         shade.declaration = Declaration(  # type: ignore[attr-defined]
             scales, ratio, linear, source, local, lights, wanted | seen,

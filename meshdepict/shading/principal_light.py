@@ -63,7 +63,7 @@ def combine_bent_bands(
 
     Computes the curvature of every scale but the last, once.
     """
-    count = len(space.points)
+    count = space.count
     single = light.astype(np.float32)
     base = cosines(space.normals_at(space.last), single)
     sums = (weights[-1].astype(np.float32) * base).astype(np.float32)

@@ -199,7 +199,7 @@ def radiance_scaling(
         magnitude if own is None else own
         for own in (ambient_magnitude, diffuse_magnitude, specular_magnitude)
     )
-    kappa = np.zeros(len(space.points), np.float32)
+    kappa = np.zeros(space.count, np.float32)
     if frames is not None:
         kappa = np.tanh(-(frames.ku + frames.kv))
 
