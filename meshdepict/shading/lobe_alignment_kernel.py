@@ -123,7 +123,7 @@ def undo(n, z, strength, fade, x, y, w, solid, value):  # type: ignore[no-untype
         cos = g0 * m0 + g1 * m1 + g2 * m2
         t0, t1, t2 = m0 - cos * g0, m1 - cos * g1, m2 - cos * g2
         sin = math.sqrt(t0 * t0 + t1 * t1 + t2 * t2)
-        scaled = _ONE / np.float32(sin if sin > _TINY else _TINY)  # type: ignore[operator]
+        scaled = _ONE / np.float32(sin if sin > _TINY else _TINY)
         t0, t1, t2 = t0 * scaled, t1 * scaled, t2 * scaled
         # On the arc from the guide, n_x l·x = gx cos φ + tx sin φ, n_x l·y = ty sin φ.
         gx = side * (g0 * x0 + g1 * x1 + g2 * x2)
