@@ -90,7 +90,7 @@ def relief(
         write_recipe(save_recipe, shaded.look, force=force)
     widths = shaded.widths[1:]
     facts = [
-        f"light {shaded.provenance['light']}",
+        "" if wanted.declared.lights == "none" else f"light {shaded.provenance['light']}",
         fitted_text(shaded.look),
         f"{len(widths)} scales, widths {widths[0]:g} to {widths[-1]:g} m" if len(widths) else "",
         f"{terrain.cols:,} x {terrain.rows:,} cells",

@@ -222,7 +222,7 @@ def light_alignment(
     strength, specular_strength, transmitted_strength : float or sequence of float
         σ_i of eq. 1, one for all scales or one each, finest first. The paper's figures use
         .5,.3,.1,.2,.2 (fig. 7), .9,.6,.4,.2,.3,.2 (fig. 9), for highlights .4,.2,0,.3 and for
-        transmission .7,.3,.25,.6 (fig. 8). The default, 0.4 for all, was chosen on scans by eye:
+        transmission .7,.3,.25,.6 (fig. 8). The default, 0.3 for all, was chosen on scans by eye:
         the dark side of the bunny shows its fur and flat lit parts are not yet mottled.
     diffuse, specular, shininess, roughness : float, optional
         In place of the material's own, for materials that have them.
