@@ -19,7 +19,7 @@ from meshdepict.baking.windows import Cut, Window, cut_for
 from meshdepict.color import colormaps2d
 from meshdepict.errors import MeshdepictError
 from meshdepict.files.limits import max_memory
-from meshdepict.heights.spread_cells import typical_places
+from meshdepict.heights.spread_cells import is_large, typical_cells, typical_places
 from meshdepict.scales.chosen_samples import ChosenSamples
 from meshdepict.scales.gathered import GatheredSamples
 from meshdepict.scales.height_scales import HeightSpace, height_space
@@ -286,30 +286,28 @@ class Relief:
 
     def _typical(self) -> Iterator[ChosenSamples]:
         """Yield the samples that numbers are fitted to, those of `HeightSpace.typical`."""
-        rows, columns = self.extent.size[::-1]
-        for down, across in typical_places(rows, columns):
-            for window, cells in self._pieces(down, across):
-                field = self._field(window)
-                if field is None:
-                    continue
-                chosen = np.zeros(field.valid.shape, bool)
-                chosen[window.inner] = cells
-                chosen &= field.valid
-                if chosen.any():
-                    yield ChosenSamples(self._space(field), np.flatnonzero(field.sample(chosen)))
+        for window, cells in self._typical_windows():
+            field = self._field(window)
+            if field is None:
+                continue
+            chosen = np.zeros(field.valid.shape, bool)
+            chosen[window.inner] = cells
+            chosen &= field.valid
+            if chosen.any():
+                yield ChosenSamples(self._space(field), np.flatnonzero(field.sample(chosen)))
 
-    def _pieces(self, down: slice, across: slice) -> Iterator[tuple[Window, Any]]:
-        """Yield windows that hold some cells, with which of their own cells these are."""
-        if down.step is None:
-            yield self.cut.around(down, across), True
+    def _typical_windows(self) -> Iterator[tuple[Window, NDArray[np.bool_]]]:
+        """Yield windows that hold some of them, with which of their own cells these are."""
+        columns, rows = self.extent.size
+        if len(self.cut) > 1 and is_large(rows, columns):
+            for down, across in typical_places(rows, columns):
+                shape = down.stop - down.start, across.stop - across.start
+                yield self.cut.around(down, across), np.ones(shape, bool)
             return
         for window in self.cut.windows():
-            rows, columns = (np.arange(part.start, part.stop) for part in window[:2])
-            inside = [
-                (places >= span.start) & ((places - span.start) % span.step == 0)
-                for places, span in ((rows, down), (columns, across))
-            ]
-            yield window, np.logical_and.outer(*inside)
+            cells = typical_cells(rows, columns, window.rows, window.columns)
+            if cells.any():
+                yield window, cells
 
 
 def _layered(chosen: Choices, look: Choices) -> Layered:

@@ -169,3 +169,24 @@ def test_values_are_one_band_of_numbers(tmp_path):
     assert np.array_equal(found, field.image(whole, background=np.nan), equal_nan=True)
     with pytest.raises(MeshdepictError, match="leave --values out"):
         Relief(field, Look("gooch")).save(tmp_path / "colours.tif", values=True)
+
+
+@pytest.mark.parametrize("large", [False, True])
+def test_windows_know_their_own_of_the_cells_that_stand_for_a_raster(monkeypatch, large):
+    from meshdepict.heights import spread_cells
+
+    monkeypatch.setattr(spread_cells, "_SMALL", 1000 if large else 10**6)
+    whole = typical_cells(ROWS, COLUMNS)
+    for rows, columns in ((slice(0, 256), slice(512, 620)), (slice(511, 700), slice(3, 300))):
+        part = typical_cells(ROWS, COLUMNS, rows, columns)
+        assert np.array_equal(part, whole[rows, columns])
+
+
+def test_what_is_fitted_to_one_large_window_is_fitted_to_blocks_of_it(monkeypatch):
+    from meshdepict.heights import spread_cells
+
+    monkeypatch.setattr(spread_cells, "_SMALL", 1000)
+    field = ground()
+    relief = Relief(field, Look(), memory=1e9)
+    assert len(relief.cut) == 1
+    assert relief.look.options == md.bake(field).look.options
