@@ -69,7 +69,7 @@ class Depict:
         field = from_data_array(self._array)
         baked = bake(field, method, **settings)
         colored = baked.intensity.ndim > 1 or any(
-            settings.get(name) is not None for name in ("colormap", "colormap2d")
+            getattr(baked.look, name) is not None for name in ("colormap", "colormap2d", "tint")
         )
         values = baked.colors / 255.0 if colored else baked.colors[:, 0] / 255.0
         attributes = {

@@ -30,6 +30,7 @@ OPTIONS = {
         {"contrast": 1.6, "exposure": 0.7},
         {"focus": (0.3, 0.2, 0.9), "radius": 0.4},
         {"focus": (0.0, 0.0, 1.0)},
+        {"one_light": False},  # True is terrain's, in test_terrain_session
     ],
     "light_alignment": [
         {"strength": 0.9},
