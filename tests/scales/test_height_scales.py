@@ -163,3 +163,13 @@ def test_any_number_of_threads_gives_the_same_bits(name):
     finally:
         threads.limit(None)
     assert np.array_equal(*found)
+
+
+@pytest.mark.parametrize("name", ["lambert", "half_lambert", "radiance_scaling", "mean_curvature"])
+def test_a_mesh_of_smooth_ground_gives_the_same_picture(name):
+    y, x = np.mgrid[:120, :140]
+    field = HeightField(20 * np.sin(x / 30) * np.cos(y / 25))
+    flat = md.bake(field, name, light="northwest")
+    mesh = md.bake(field.mesh, name, light=flat.look.light, view=flat.view)
+    inner = field.sample(np.pad(np.ones((110, 130), bool), 5))
+    assert np.abs(flat.colors.astype(int) - mesh.colors.astype(int))[inner].max() <= 2
