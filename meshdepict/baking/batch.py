@@ -27,7 +27,7 @@ from meshdepict.drawing.before_after import before_after
 from meshdepict.drawing.figure import Figure, summary
 from meshdepict.drawing.framing import check_scale, frame
 from meshdepict.drawing.picture import save_picture
-from meshdepict.drawing.picture_files import check_picture, write_page
+from meshdepict.drawing.picture_files import PICTURES, check_picture, write_page
 from meshdepict.errors import MeshdepictError, MeshdepictWarning
 from meshdepict.io.height_formats import RASTERS
 from meshdepict.io.source import FORMATS, WRITABLE, suffix_of
@@ -77,8 +77,6 @@ class Batch:
     force : bool
         Whether to replace files that this program didn't write.
     quiet : bool
-    taken : list of Look
-        What was done, with the up and the view that suited each mesh.
     """
 
     inputs: Sequence[Path]
@@ -91,7 +89,6 @@ class Batch:
     triangles: bool = False
     force: bool = False
     quiet: bool = False
-    taken: list[Look] = field(default_factory=list, init=False)
 
     @cached_property
     def _input_identities(self) -> frozenset[Hashable]:
@@ -186,7 +183,6 @@ class Batch:
                 self._check_fit(shape, look)
             look = measured(look, shape, self.figure if job.picture else None)
             baked = bake_surface(shape, look, progress=progress)
-            self.taken.append(look)
             baked.save(job.output)
             if job.first:
                 job = self._show_first(baked, job, look)
@@ -297,10 +293,16 @@ def _names_folder(given: str) -> bool:
 
 def _check_format(path: Path) -> None:
     writable = [*WRITABLE, ".html"]
-    if suffix_of(path) not in writable:
+    suffix = suffix_of(path)
+    if suffix in PICTURES:
+        raise MeshdepictError(
+            f"{path}: colours are saved as {', '.join(writable)} (also with .gz), and a picture of "
+            f"them beside that: --picture {path}"
+        )
+    if suffix not in writable:
         raise MeshdepictError(
             f"{path}: colours are saved as {', '.join(writable)} (also with .gz), not as "
-            f"{suffix_of(path) or 'a file without suffix'}"
+            f"{suffix or 'a file without suffix; a folder ends with /'}"
         )
 
 

@@ -54,7 +54,7 @@ def bake(
     recipe
         Take method, light, view, scales, … from a file; what else is said here comes first.
     save_recipe
-        Write them to a file.
+        Write them to a file, as they were said: up and view that nobody names are each mesh's own.
     """
     from meshdepict.baking.batch import Batch, check_look
 
@@ -76,7 +76,4 @@ def bake(
         winding=winding, fix_winding=fix_winding, triangles=triangles, force=force,
         quiet=everywhere.quiet,
     )  # fmt: skip
-    failed = batch.run()
-    if save_recipe is not None and len(inputs) <= 1 and batch.taken:
-        batch.taken[0].save(save_recipe, force=True)  # with up and view as they were found
-    return FAULT if failed else 0
+    return FAULT if batch.run() else 0

@@ -57,7 +57,7 @@ def relief(
     recipe
         Take method, light, scales, … from a file; what else is said here comes first.
     save_recipe
-        Write them to a file.
+        Write them to a file, as they were said: what follows the terrain is each model's own.
     """
     from meshdepict.baking.provenance import fitted_text
     from meshdepict.baking.recipe import save_recipe as write_recipe
@@ -85,9 +85,9 @@ def relief(
         check_relief(output, shape=terrain.shape, kind=kind)
         with progress_bar(name, quiet=everywhere.quiet) as progress:
             shaded = Relief(terrain, wanted)
+            if save_recipe is not None:
+                write_recipe(save_recipe, wanted, force=force)
             shaded.save(output, values=values, progress=progress)
-    if save_recipe is not None:
-        write_recipe(save_recipe, shaded.look, force=force)
     widths = shaded.widths[1:]
     facts = [
         "" if wanted.declared.lights == "none" else f"light {shaded.provenance['light']}",

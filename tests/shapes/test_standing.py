@@ -273,17 +273,26 @@ def test_on_the_command_line(run, folder):
     assert "note: vase.ply: z is up, as the shape stands: --up y otherwise" in note
     name = standing(vase("z")).view
     assert f"meshdepict view: {name}, up z" in md.io.read_provenance("vase-lambert.ply")
-    taken = md.Look.load("taken.toml")
-    assert (taken.up, taken.view) == ("z", name)
-    for words in (("--up", "y"), ("--recipe", "taken.toml")):
-        _, _, err = run("bake", "vase.ply", "-m", "lambert", *words)
-        assert "is up" not in "".join(err)
+    _, _, err = run("bake", "vase.ply", "-m", "lambert", "--up", "y")
+    assert "is up" not in "".join(err)
     _, _, (note,) = run(
         "compare", "vase.ply", "-m", "lambert", "--light", "north", "--size", "48x48"
     )
     assert "z is up" in note
     run("bake", "vase.ply", "vase.ply", "-m", "lambert", "--save-recipe", "any.toml")
     assert md.Look.load("any.toml").up == "auto"  # of several, each has its own
+    taken = md.Look.load("taken.toml")
+    assert taken.words() == md.Look.load("any.toml").words()  # … and so has each that one recipe is for
+    run("bake", "vase.ply", "-m", "lambert")
+    first = md.read("vase-lambert.ply").attributes["vertex"]
+    run("bake", "vase.ply", "--recipe", "taken.toml")
+    again = md.read("vase-lambert.ply").attributes["vertex"]
+    np.testing.assert_array_equal(again["red"], first["red"])
+    md.io.write_mesh("other.ply", vase("x"))
+    _, _, (note,) = run("bake", "other.ply", "--recipe", "taken.toml")
+    assert "note: other.ply: x is up" in note
+    name = standing(vase("x")).view
+    assert f"meshdepict view: {name}, up x" in md.io.read_provenance("other-lambert.ply")
 
 
 def test_a_recipe_of_a_script_keeps_its_axis(run, folder):
