@@ -13,14 +13,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshdepict.errors import MeshdepictError
+from meshdepict.heights.map_rules import HORIZONS
 from meshdepict.options import nearest
 from meshdepict.threads import each, kernel, spans, thread_count
 
-__all__ = ["HORIZONS", "horizon_reach", "horizons", "open_angles", "sky_shares"]
+__all__ = ["horizon_reach", "horizons", "open_angles", "sky_shares"]
 
 Singles = NDArray[np.float32]
 Floats = NDArray[np.float64]
-HORIZONS = ("lines", "cells")
 
 _FINER = 3  # places a cell at which the toolbox looks which cell a ray is in
 _ABYSS = -1e30  # stands where there is no height: never a horizon, and told by its slope

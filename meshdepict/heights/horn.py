@@ -8,17 +8,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from meshdepict.heights.map_rules import MARK_AZIMUTHS, MARK_ELEVATION
 from meshdepict.threads import each, kernel, spans, thread_count
 
-__all__ = ["MARK_AZIMUTHS", "MARK_ELEVATION", "horn_slopes", "mark_relief", "mark_shades", "relief"]
+__all__ = ["horn_slopes", "mark_relief", "mark_shades", "relief"]
 
 Singles = NDArray[np.float32]
 Floats = NDArray[np.float64]
-
-MARK_AZIMUTHS = (225.0, 270.0, 315.0, 360.0)
-"""Where the four lights of Mark (1992) stand, in degrees; their weights add up to one."""
-
-MARK_ELEVATION = 30.0
 
 _ROWS = 64  # rows of a piece of work
 _STEEPEST = 1e15  # heights a cell; its square is still a number in single precision

@@ -12,7 +12,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshdepict.errors import MeshdepictError
-from meshdepict.heights.horn import mark_shades
 from meshdepict.scales.normal_sets import NormalSets
 
 if TYPE_CHECKING:
@@ -93,6 +92,8 @@ class ReliefSamples(NormalSets):
 
         ``frame`` is (3, 3), east, north and up of the map in its rows. Terrain has its own.
         """
+        from meshdepict.heights.horn import mark_shades
+
         return mark_shades(self.relief_normals @ frame.T.astype(np.float32), elevation)
 
     def sky_shares(self, *, rays: int, radius: float, horizon: str) -> Single:

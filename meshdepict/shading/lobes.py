@@ -16,7 +16,6 @@ from numpy.typing import NDArray
 from meshdepict.scene.blurs import WIDEST
 from meshdepict.scene.environment import Environment
 from meshdepict.scene.upright import upright
-from meshdepict.shading.alignment_kernel import SINGLE
 from meshdepict.shading.features import Frames, Scaling
 from meshdepict.shading.lobe_tables import (
     LobeTables,
@@ -25,6 +24,7 @@ from meshdepict.shading.lobe_tables import (
     lobe_tables,
 )
 from meshdepict.shading.material_kinds import PHONG
+from meshdepict.shading.sharpness import SINGLE
 from meshdepict.threads import each, spans, thread_count
 
 __all__ = ["aligned_lobes", "lobes", "needs_samples"]

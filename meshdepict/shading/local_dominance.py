@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshdepict.errors import MeshdepictError
-from meshdepict.heights.dominance import dominances
 from meshdepict.options import Range
 from meshdepict.scales.reads import Reads
 from meshdepict.scales.space import ScaleSpace
@@ -38,6 +37,8 @@ def settle(space: ScaleSpace | None, options: Mapping[str, Any]) -> dict[str, An
 
 
 def _dominance(space: ScaleSpace, **rule: Any) -> NDArray[np.float32]:
+    from meshdepict.heights.dominance import dominances  # a kernel, for those who shade
+
     if rule["nearest"] > rule["farthest"]:
         raise MeshdepictError(
             f"local_dominance: nearest={rule['nearest']} is beyond farthest={rule['farthest']}: "

@@ -7,7 +7,7 @@ from typing import Annotated, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from meshdepict.heights.horn import MARK_ELEVATION
+from meshdepict.heights.map_rules import MARK_ELEVATION
 from meshdepict.options import Range
 from meshdepict.scales.space import ScaleSpace
 from meshdepict.scene.names import as_view

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshdepict.errors import MeshdepictError
-from meshdepict.heights.horizons import HORIZONS
+from meshdepict.heights.map_rules import HORIZONS
 from meshdepict.options import Choice, Range
 from meshdepict.scales.reads import Reads
 from meshdepict.scales.space import ScaleSpace

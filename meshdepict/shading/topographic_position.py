@@ -7,7 +7,6 @@ from typing import Annotated, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from meshdepict.heights.deviation import deviations
 from meshdepict.options import Range
 from meshdepict.scales.reads import Reads
 from meshdepict.scales.space import ScaleSpace
@@ -54,6 +53,8 @@ def topographic_position(
     (n, 3) array of float32
         Display values.
     """
+    from meshdepict.heights.deviation import deviations  # a kernel, for those who shade
+
     del light
 
     def colours(field: HeightField) -> NDArray[np.float32]:

@@ -10,12 +10,12 @@ from grounds import AXES, placed, plane
 
 from meshdepict.errors import MeshdepictError
 from meshdepict.heights.horizons import (
-    HORIZONS,
     horizon_reach,
     horizons,
     open_angles,
     sky_shares,
 )
+from meshdepict.heights.map_rules import HORIZONS
 
 SQUARES = AXES["squares"]
 

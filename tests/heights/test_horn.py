@@ -12,12 +12,11 @@ import pytest
 from grounds import AXES, hill, placed, plane
 
 from meshdepict.heights.horn import (
-    MARK_AZIMUTHS,
-    MARK_ELEVATION,
     horn_slopes,
     mark_relief,
     relief,
 )
+from meshdepict.heights.map_rules import MARK_AZIMUTHS, MARK_ELEVATION
 
 NORTHWEST = np.array([-0.5, 0.5, math.sqrt(0.5)])
 

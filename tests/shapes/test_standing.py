@@ -281,8 +281,8 @@ def test_on_the_command_line(run, folder):
     assert "z is up" in note
     run("bake", "vase.ply", "vase.ply", "-m", "lambert", "--save-recipe", "any.toml")
     assert md.Look.load("any.toml").up == "auto"  # of several, each has its own
-    taken = md.Look.load("taken.toml")
-    assert taken.words() == md.Look.load("any.toml").words()  # … and so has each that one recipe is for
+    taken = md.Look.load("taken.toml")  # … and so has each that one recipe is for
+    assert taken.words() == md.Look.load("any.toml").words()
     run("bake", "vase.ply", "-m", "lambert")
     first = md.read("vase-lambert.ply").attributes["vertex"]
     run("bake", "vase.ply", "--recipe", "taken.toml")
