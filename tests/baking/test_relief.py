@@ -71,6 +71,17 @@ def test_windows_give_the_bits_of_the_whole(kind, method, options, memory):
     assert relief.look.options == baked.look.options
 
 
+@pytest.mark.parametrize("kind", ["metres", "degrees"])
+def test_balls_in_windows_are_those_of_the_whole_but_for_rounding(kind):
+    field = ground(kind)
+    baked = md.bake(field, "integral_invariant", radius=6, contrast=5)
+    relief = Relief(field, Look("integral_invariant", radius=6, contrast=5), memory=5e7)
+    assert len(relief.cut) > 1
+    _, values = shaded(relief)
+    off = np.abs(values[..., 0] - field.image(baked.intensity, background=np.nan))
+    assert np.nanmax(off) < 2e-4  # single precision of positions in a ball, times the contrast
+
+
 def test_wide_smoothing_gives_the_bits_of_the_whole():
     field = ground()
     words = {"width": 8.0, "scales": 2}
