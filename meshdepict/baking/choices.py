@@ -187,9 +187,10 @@ class Choices:
     )
     width: float | str | None = _choice(
         None,
-        "First smoothing width in the file's units, a share of the diagonal such as 0.2%, pixels "
-        "of the picture such as 3px, or the larger of two such as 0.2%,3px; unless given, the "
-        "median edge, or the largest distance of voxels.",
+        "First smoothing width in the file's units, terrain's metres, or 5mm where they are known, "
+        "a share of the diagonal such as 0.2%, pixels of the picture such as 3px, cells of terrain "
+        "such as 3cells, or the larger of two such as 0.2%,3px; unless given, the median edge, a "
+        "cell, or the largest distance of voxels.",
         group="Detail",
     )
     ratio: float | None = _choice(None, "From one width to the next.", group="Detail")

@@ -13,6 +13,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from numpy.typing import NDArray
 
 from meshdepict.errors import MeshdepictError, MeshdepictWarning
@@ -29,6 +30,7 @@ __all__ = ["check_tiff", "tiff_provenance", "written_tiff"]
 _BLOCK = 512
 _LEVEL = 2  # of deflate's nine: relief grows by 2 % against the usual 6, in a third of its time
 _NEED = "writing GeoTIFF"
+_PACKED = 1 << 30  # bytes from which on tiles are packed, too, before the copy: for the disk's sake
 _SPARE = 1 << 20  # bytes: a disk with less is full
 
 
@@ -99,12 +101,15 @@ def _created(rasterio: Any, tiles: Path, layout: ReliefLayout, crs: Any) -> Any:
         "photometric": "RGB" if layout.kind == "color" else "MINISBLACK",
         "alpha": "NON-PREMULTIPLIED",
     }  # fmt: skip
+    bands = layout.bands + (not values)
+    size = layout.rows * layout.cols * bands * np.dtype(layout.dtype).itemsize
+    packed = {} if size < _PACKED else {"compress": "deflate", "zlevel": 1}
     dataset = rasterio.open(
         tiles, "w", driver="GTiff", height=layout.rows, width=layout.cols,
-        count=layout.bands + (not values), dtype=str(layout.dtype), crs=crs,
+        count=bands, dtype=str(layout.dtype), crs=crs,
         transform=rasterio.Affine(*layout.transform), nodata=float("nan") if values else None,
-        tiled=True, blockxsize=_BLOCK, blockysize=_BLOCK, compress="deflate", zlevel=1,
-        bigtiff="IF_SAFER", num_threads=str(thread_count()), **colours,
+        tiled=True, blockxsize=_BLOCK, blockysize=_BLOCK, bigtiff="IF_SAFER",
+        num_threads=str(thread_count()), **packed, **colours,
     )  # fmt: skip
     facts = dict(layout.words) | {
         line.partition(": ")[0]: line.partition(": ")[2] for line in layout.lines

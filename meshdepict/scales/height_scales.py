@@ -46,13 +46,15 @@ class HeightSpace(ScaleSpace):
         self, field: HeightField, widths: NDArray[np.float64], ratio: float, *, tolerance: float
     ) -> None:
         slopes, known = gradients(field.z, field.valid, field.steps)
-        own = np.empty((3, field.count), np.float32)
-        upward_normals(slopes, None, field.valid, own)
+        planes = np.empty((len(widths), 3, field.count), np.float32)
+        upward_normals(slopes, None, field.valid, planes[0])
         if not known.all():
             slopes *= known
             slopes = np.concatenate([slopes, known[None].astype(np.float32)])
         self._block = slopes
-        super().__init__(field, None, widths, ratio, own, facing=0, tolerance=tolerance)
+        super().__init__(
+            field, None, widths, ratio, planes[0], planes=planes, facing=0, tolerance=tolerance
+        )
 
     @property
     def points(self) -> NDArray[np.float64]:

@@ -46,8 +46,9 @@ def scale_space(
     scales : int
         Number of smoothed sets, ≥ 0; the original normals come before them.
     width : float or str, optional
-        First width σ_1 in world units, "0.2%" of the bounding box's diagonal, "3px" of a view, or
-        the larger of two: "0.2%,3px". Default: the median edge length.
+        First width σ_1 in world units, in a unit of length where the shape knows its own ("5mm"),
+        "0.2%" of the bounding box's diagonal, "3px" of a view, "3cells" of terrain, or the larger
+        of two: "0.2%,3px". Default: the median edge length, terrain's distance of cells.
     ratio : float
         From one width to the next, > 1; √2 in Exaggerated Shading, 1.7 in Local Light Alignment.
     facing : {0, 1}

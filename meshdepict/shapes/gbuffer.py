@@ -261,6 +261,11 @@ class GBuffer(PixelSamples):
         largest = float(extent.max())
         return largest and largest * float(np.linalg.norm(extent / largest))
 
+    @property
+    def length_unit(self) -> str:
+        """What world units are, the mesh's where there is one; empty where unknown."""
+        return "" if self.mesh is None else self.mesh.length_unit
+
     def recentred(self, points: Floats) -> Floats:
         """Return world positions (…, 3) relative to the centre, in diagonals."""
         moved: Floats = (points - self.centre) / (self.diagonal or 1.0)

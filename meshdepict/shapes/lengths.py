@@ -1,4 +1,4 @@
-"""Lengths as people write them: in world units, shares of the diagonal, pixels, or not at all.
+"""Lengths as people write them: in units of length, in shares, pixels or cells, or not at all.
 
 Light Warping smooths slopes over pixels, so that what is small in the picture vanishes: from afar
 a pixel, and with it the width, covers more of the surface. A width may be given in pixels for that;
@@ -8,16 +8,20 @@ where another length is given beside it, the larger of the two counts.
 from __future__ import annotations
 
 import math
+import re
 import warnings
 
 from meshdepict.errors import MeshdepictError, MeshdepictWarning
 from meshdepict.options import real
 from meshdepict.scene.shape import Shape
 from meshdepict.scene.view import View
+from meshdepict.voxels.length_unit import MILLIMETRES, length_unit
 
 __all__ = ["counts_pixels", "pixel_size", "resolve_width"]
 
 _PIXELS = "px"
+_CELLS = ("cells", "cell")
+_WRITTEN = re.compile(r"([+-]?(?:[0-9]+[.]?[0-9]*|[.][0-9]+)(?:[eE][+-]?[0-9]+)?)\s*([^0-9]*)")
 
 
 def resolve_width(
@@ -27,15 +31,17 @@ def resolve_width(
     *,
     averages: bool = True,
 ) -> float:
-    """Return a width in world units: a number, "0.2%" of the diagonal, "3px" of a view, or None.
+    """Return a width in world units: a number, "5m", "0.2%" of the diagonal, "3px", or None.
 
     None is the shape's own step: a mesh's median edge, a volume's largest spacing, a pixel. Of
-    "0.2%,3px" and "0.5,3px" the larger one counts.
+    "0.2%,3px" and "0.5,3px" the larger one counts. A unit of length is understood where the shape
+    knows what its own are in, as terrain does, in metres; terrain has "3cells", too: so many times
+    the distance of its cells, the shorter one.
 
     Parameters
     ----------
     width : float, str or None
-    shape : Mesh, Volume or GBuffer
+    shape : Mesh, HeightField, Volume or GBuffer
         An image has pixels of its own.
     view : View, optional
         Whose pixels are meant; see `pixel_size`.
@@ -45,8 +51,9 @@ def resolve_width(
     Raises
     ------
     MeshdepictError
-        For what is no positive length, and for pixels where no view says how large they are. One
-        beyond the shape is taken, with a warning.
+        For what is no positive length, for pixels where no view says how large they are, for units
+        where nobody knows the shape's, and for cells of what has none. One beyond the shape is
+        taken, with a warning.
     """
     if width is None:
         return float(shape.edge_length)
@@ -59,8 +66,9 @@ def resolve_width(
     else:
         lengths = [real(width) or math.nan]
     if not all(0 < length < math.inf for length in lengths):
+        usual = "5 or '5m' (metres), '3cells'" if _terrain(shape) else "0.5 (world units)"
         raise MeshdepictError(
-            f"width={width!r} is not a positive length, such as 0.5 (world units), '0.2%' (of the "
+            f"width={width!r} is not a positive length, such as {usual}, '0.2%' (of the "
             "diagonal), '3px' (pixels of the view) or '0.2%,3px' (the larger)"
         )
     resolved = max(lengths)
@@ -111,13 +119,39 @@ def pixel_size(shape: Shape, view: View | None) -> float:
     return 2 * depth * math.tan(math.radians(view.field_of_view) / 2) / view.height_px
 
 
+def _terrain(shape: Shape) -> bool:
+    return shape.kind == "height field"
+
+
 def _length(text: str, shape: Shape, view: View | None) -> float:
-    """Return what one text stands for, NaN where it is no number."""
-    unit = next((unit for unit in ("%", _PIXELS) if text.endswith(unit)), "")
-    try:
-        number = float(text.removesuffix(unit))
-    except ValueError:
+    """Return what one text stands for, NaN where it is none."""
+    written = _WRITTEN.fullmatch(text)
+    if written is None:
         return math.nan
+    number, unit = float(written[1]), written[2]
+    if unit == "%":
+        return number / 100 * shape.diagonal
     if unit == _PIXELS:
         return number * pixel_size(shape, view)
-    return number / 100 * shape.diagonal if unit else number
+    if unit in _CELLS:
+        if not _terrain(shape):
+            raise MeshdepictError(
+                f"width={text!r} counts cells, and this {shape.kind} has none, only terrain has: "
+                "give a width in world units, or a share of the diagonal such as '0.2%'"
+            )
+        return number * shape.edge_length
+    if length_unit(unit):
+        return number * _units(length_unit(unit), text, shape)
+    return math.nan if unit else number
+
+
+def _units(unit: str, text: str, shape: Shape) -> float:
+    """Return how many of the shape's units a unit of length is."""
+    own = length_unit(getattr(shape, "length_unit", ""))
+    if not own:
+        raise MeshdepictError(
+            f"width={text!r} has a unit ({unit}), and nothing says what the lengths of this "
+            f"{shape.kind} are in: give it in those, without a unit, or as a share of the "
+            "diagonal such as '0.2%'"
+        )
+    return MILLIMETRES[unit] / MILLIMETRES[own]
