@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from meshdepict.baking.baked import Baked
-from meshdepict.baking.choices import LADDER
+from meshdepict.baking.choice_list import LADDER
 from meshdepict.baking.look import Look, bake
 from meshdepict.baking.pixel_widths import measured
 from meshdepict.baking.surfaces import as_mesh

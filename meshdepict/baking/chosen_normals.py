@@ -5,7 +5,8 @@ from __future__ import annotations
 import warnings
 from typing import TYPE_CHECKING
 
-from meshdepict.baking.choices import SIDES, Choices, choice_fields
+from meshdepict.baking.choice_list import SIDES, choice_fields
+from meshdepict.baking.choices import Choices
 from meshdepict.errors import MeshdepictError, MeshdepictWarning
 from meshdepict.shapes.parted import PartedMesh
 

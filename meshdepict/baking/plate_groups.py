@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshdepict.baking.baked import Baked
-from meshdepict.baking.choices import LADDER, choice_fields
+from meshdepict.baking.choice_list import LADDER, choice_fields
 from meshdepict.baking.look import Look
 from meshdepict.baking.surfaces import bake_surface
 from meshdepict.baking.volumes import BakedVolume, bake_grid

@@ -11,7 +11,8 @@ from os.path import exists
 from pathlib import Path
 from typing import Any
 
-from meshdepict.baking.choices import Choices, choice_fields
+from meshdepict.baking.choice_list import choice_fields
+from meshdepict.baking.choices import Choices
 from meshdepict.baking.recipe_files import located, named_from
 from meshdepict.color.transfer import PRESETS
 from meshdepict.color.transfer_function import TransferFunction

@@ -11,7 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshdepict import color
-from meshdepict.baking.choices import HEIGHTS, Choices
+from meshdepict.baking.choice_list import HEIGHTS
+from meshdepict.baking.choices import Choices
 from meshdepict.baking.layers import Layered
 from meshdepict.baking.provenance import describe
 from meshdepict.baking.tinting import spanned_tint, tinted

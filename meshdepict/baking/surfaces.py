@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 
 from meshdepict import color
 from meshdepict.baking.baked import Baked
-from meshdepict.baking.choices import LADDER, Choices, choice_fields
+from meshdepict.baking.choice_list import LADDER, choice_fields
+from meshdepict.baking.choices import Choices
 from meshdepict.baking.chosen_normals import refuse_other_sides, sides_of, with_chosen_normals
 from meshdepict.baking.clipping import warn_of_clipping
 from meshdepict.baking.layers import shade_layers

@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 
 from cyclopts import Parameter
 
-from meshdepict.baking.choices import AUTO
+from meshdepict.baking.choice_list import AUTO
 from meshdepict.commands.parameters import DETAIL, FILES, LOOK, Everywhere, LookWords, takes_words
 from meshdepict.commands.values import as_light, options_by_method
 from meshdepict.console import notes, progress_bar, say

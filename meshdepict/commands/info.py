@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
-from meshdepict.baking.choices import AUTO, LADDER, choice_fields
+from meshdepict.baking.choice_list import AUTO, LADDER, choice_fields
 from meshdepict.commands.parameters import Everywhere, LookWords, takes_words
 from meshdepict.commands.values import method_options
 from meshdepict.console import FAULT, about, complain, notes, say

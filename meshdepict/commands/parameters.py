@@ -15,7 +15,8 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeVar
 from cyclopts import Group, Parameter
 
 from meshdepict import threads
-from meshdepict.baking.choices import AUTO, Choices, choice_fields
+from meshdepict.baking.choice_list import AUTO, choice_fields
+from meshdepict.baking.choices import Choices
 from meshdepict.commands.values import as_light, method_options
 from meshdepict.files import limits
 

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshdepict import color
-from meshdepict.baking.choices import HEIGHTS, IMAGE, SIDES
+from meshdepict.baking.choice_list import HEIGHTS, IMAGE, SIDES
 from meshdepict.baking.look import Look
 from meshdepict.baking.surfaces import as_solid, with_choices
 from meshdepict.congruence.judging import Judge, ShapeFlow, check_flow, picture

@@ -10,7 +10,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-from meshdepict.baking.choices import choice_fields
+from meshdepict.baking.choice_list import choice_fields
 from meshdepict.options import Choice, Option, Values, as_text, options_of
 
 __all__ = ["HEIGHTS", "Control", "controls", "place_option", "slid"]

@@ -14,7 +14,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from meshdepict import color
 from meshdepict.baking.baked import Baked
-from meshdepict.baking.choices import Choices, choice_fields
+from meshdepict.baking.choice_list import choice_fields
+from meshdepict.baking.choices import Choices
 from meshdepict.baking.look import Look, bake
 from meshdepict.baking.pixel_widths import measured
 from meshdepict.baking.surfaces import as_solid, with_choices

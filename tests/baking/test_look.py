@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 import meshdepict as md
-from meshdepict.baking.choices import Choices, choice_fields
+from meshdepict.baking.choice_list import choice_fields
+from meshdepict.baking.choices import Choices
 from meshdepict.errors import MeshdepictError
 from meshdepict.scales.making import scale_space
 from meshdepict.shading import METHODS, declaration

@@ -2,7 +2,7 @@
 
 import inspect
 
-from meshdepict.baking.choices import choice_fields
+from meshdepict.baking.choice_list import choice_fields
 from meshdepict.commands.compare import compare as command
 from meshdepict.congruence.comparison import compare
 

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 
 import meshdepict as md
-from meshdepict.baking.choices import choice_fields
+from meshdepict.baking.choice_list import choice_fields
 from meshdepict.options import Choice, Values, options_of
 
 # The same examples every time, and no test that fails for slowness.

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from meshdepict.baking.choices import choice_fields
+from meshdepict.baking.choice_list import choice_fields
 from meshdepict.baking.look import Look
 from meshdepict.baking.volumes import BakedVolume, as_volume, bake_grid
 from meshdepict.color.transfer import PRESETS, for_volume
