@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from method_families import ON_MESHES
 
 import meshdepict as md
 from meshdepict import shading
@@ -12,7 +13,7 @@ from meshdepict.shading import METHODS, declaration
 from meshdepict.shapes import samples
 from meshdepict.viewer.session import Session
 
-every_method = pytest.mark.parametrize("method", METHODS)
+every_method = pytest.mark.parametrize("method", ON_MESHES)
 
 
 @pytest.fixture(scope="module")

@@ -4,6 +4,7 @@ import inspect
 
 import numpy as np
 import pytest
+from method_families import ON_MESHES
 
 import meshdepict as md
 from meshdepict.baking.choice_list import choice_fields
@@ -25,7 +26,7 @@ def test_a_look_is_frozen():
         look.light = "east"
 
 
-@pytest.mark.parametrize("name", METHODS)
+@pytest.mark.parametrize("name", ON_MESHES)
 def test_a_look_bakes_what_bake_does(small, name):
     look = md.Look(name, light="west", view="top")
     if "rays" in declaration(METHODS[name]).needs:
