@@ -7,6 +7,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
+from method_families import ON_RASTERS
 
 import meshdepict as md
 from meshdepict.baking.choice_list import choice_fields
@@ -99,11 +100,19 @@ def test_anything_as_a_volume(values, spacing, direction):
         assert np.isfinite(volume.outline).all()
 
 
+@pytest.fixture(scope="module")
+def ground():
+    y, x = np.mgrid[:9, :11]
+    valid = (x + 2 * y) % 7 > 0
+    return md.scale_space(md.HeightField(np.sin(x) + 3 * np.cos(y), valid=valid), scales=2)
+
+
 @pytest.mark.parametrize("name", METHODS)
 @settings(always, max_examples=25)
 @given(choices=st.data())
 @pytest.mark.filterwarnings("ignore::meshdepict.MeshdepictWarning")
-def test_any_option_of_a_method(space, name, choices):
+def test_any_option_of_a_method(space, ground, name, choices):
+    sampled = ground if name in ON_RASTERS else space
     known = options_of(md.shading.METHODS[name])
     option = known[choices.draw(st.sampled_from(sorted(known)))]
     ends = []
@@ -119,7 +128,7 @@ def test_any_option_of_a_method(space, name, choices):
     # What lies within its range is refused at most together with what it goes with.
     expected = (option.name, "light") if any(value is end for end in ends) else ()
     with taken_or_refused(*expected):
-        finite(md.bake(space, name, light=light, **{option.name: value}).intensity)
+        finite(md.bake(sampled, name, light=light, **{option.name: value}).intensity)
 
 
 @pytest.mark.parametrize("name", sorted(choice_fields()))
