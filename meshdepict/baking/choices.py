@@ -126,6 +126,13 @@ class Choices(ChoiceList):
             return any(self.of_layer(layer).sees for layer in self.layers)
         return self.two_sided or "view" in self.declared.needs
 
+    @property
+    def lit(self) -> bool:
+        """Whether it takes a light at all."""
+        if self.blend is not None:
+            return any(self.of_layer(layer).lit for layer in self.layers)
+        return self.declared.lights != "none"
+
     @functools.cached_property
     def layers(self) -> tuple[Layer, ...]:
         """The layers of its blend, the first on top; none without a blend."""

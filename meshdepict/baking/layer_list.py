@@ -74,7 +74,7 @@ class Layer:
             "mode": checked_mode(self.mode),
             "opacity": checked_opacity(self.opacity),
             "stretch": None if self.stretch is None else checked_stretch(self.stretch),
-            "light": tuple(self.light) if isinstance(self.light, list) else self.light,
+            "light": _numbers(self.light),
             "options": check(function, self.options, function.__name__),
         }
         if self.colormap is not None:
@@ -174,6 +174,12 @@ def blend_name(blend: object) -> str:
     """Return the name of a combination, "blend" for all else."""
     name = blend.strip() if isinstance(blend, str) else ""
     return name if name in COMBINATIONS else "blend"
+
+
+def _numbers(light: Any) -> Any:
+    """Return a light with numbers of a list or an array as a tuple."""
+    light = light.tolist() if hasattr(light, "tolist") else light
+    return tuple(light) if isinstance(light, list) else light
 
 
 def _layer(given: object) -> Layer:

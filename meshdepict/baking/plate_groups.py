@@ -46,7 +46,7 @@ class Group:
     def caption(self) -> str:
         """What stands below it: method and light, and the name if it has one."""
         said = self.look.title
-        if self.look.declared.lights != "none":
+        if self.look.lit:
             light = self.look.lighting(self.eye, self.shape.kind)
             said += f", light {str(light).partition(' (')[0]}"
         return f"{self.name}: {said}" if self.name else said

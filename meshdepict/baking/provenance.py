@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
-from meshdepict.baking.layer_list import blend_text
+from meshdepict.baking.layer_list import Layer, blend_text
 from meshdepict.files.mark import MARK, VERSION
 from meshdepict.options import as_text, options_of
 from meshdepict.scene.names import Lighting
@@ -49,12 +49,23 @@ def describe(look: Choices, space: ScaleSpace, *, light: Lighting) -> dict[str, 
         "light": str(light),
         "view": f"{look.view}, up {look.up}" if isinstance(look.view, str) else str(look.view),
         "colormap": look.colormap or look.colormap2d or "gray",
-        **({} if look.blend is None else {"blend": blend_text(look.layers)}),
+        **({} if look.blend is None else {"blend": blend_text(_lit_layers(look))}),
         **({} if look.tint is None else {"tint": look.tint}),
         "albedo": look.albedo,
         **({"sides": "the one that is seen"} if look.two_sided else {}),
         space.shape.kind: space.shape.identity,
     }
+
+
+def _lit_layers(look: Choices) -> list[Layer]:
+    """Return the layers of a blend; those that declare another light than it has, with that."""
+    found = []
+    for layer in look.layers:
+        alone = look.of_layer(layer)
+        unsaid = look.light is None and layer.light is None
+        other = unsaid and alone.lit and alone.lit_by != look.lit_by
+        found.append(layer.replace(light=alone.lit_by) if other else layer)
+    return found
 
 
 def fitted_text(look: Choices) -> str:

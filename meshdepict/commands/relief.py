@@ -90,7 +90,7 @@ def relief(
             shaded.save(output, values=values, progress=progress)
     widths = shaded.widths[1:]
     facts = [
-        "" if wanted.declared.lights == "none" else f"light {shaded.provenance['light']}",
+        "" if not wanted.lit else f"light {shaded.provenance['light']}",
         fitted_text(shaded.look),
         f"{len(widths)} scales, widths {widths[0]:g} to {widths[-1]:g} m" if len(widths) else "",
         f"{terrain.cols:,} x {terrain.rows:,} cells",

@@ -269,6 +269,29 @@ def test_blends_are_named_in_provenance(small):
     assert lit.provenance["blend"] == "toon:normal:1 (light=315,15 bins=3)"
     assert lit.provenance["light"].startswith("azimuth 315 elevation 15")
     assert "blend" not in md.bake(small).provenance
+    own = md.bake(small, blend="light_warping:multiply,aspect:screen,lambert").provenance
+    assert own["blend"] == (
+        "light_warping:multiply:1 (light=studio), aspect:screen:1, lambert:normal:1"
+    )
+    assert own["light"].startswith("northwest")
+
+
+def test_lights_may_be_arrays(small):
+    array, numbers = np.array([0.0, 1.0, 1.0]), (0.0, 1.0, 1.0)
+    for light in (array, list(numbers)):
+        layer = {"method": "lambert", "light": light}
+        found = md.bake(small, blend=["light_warping:multiply", layer])
+        named = md.bake(small, blend=["light_warping:multiply", {**layer, "light": numbers}])
+        np.testing.assert_array_equal(found.colors, named.colors)
+        assert found.provenance == named.provenance
+        whole = md.bake(small, blend="light_warping:multiply,lambert", light=light)
+        assert "light=" not in whole.provenance["blend"]
+
+
+def test_a_blend_is_lit_where_a_layer_is():
+    assert md.Look(blend="lambert:multiply,slope").lit
+    assert not md.Look(blend="mean_curvature:multiply,slope").lit
+    assert not md.Look("slope").lit
 
 
 def test_whether_a_blend_sees_the_view():
