@@ -91,8 +91,8 @@ class Everywhere:
         str | None,
         Parameter(
             group=EVERYWHERE,
-            help="What a file's contents may take, 4GB for instance; unless given, a hundred "
-            "times its size and half of the memory at most.",
+            help="What a file's contents, or a window of terrain, may take, 4GB for instance; "
+            "unless given, a hundred times the file's size and half of the memory at most.",
         ),
     ] = None
 
