@@ -311,7 +311,8 @@ class Choices(ChoiceList):
             usual = _is(getattr(self, name), each.default)
             if not usual and only and kind not in only:
                 raise MeshdepictError(
-                    f"{name} is about a {only[0]}, and this is a {kind}: leave it out"
+                    f"{name} is about a {only[0]}, and this is {'an' if kind == IMAGE else 'a'} "
+                    f"{kind}: leave it out"
                 )
         scales, ratio = self.ladder
         look = self._on_map(kind)

@@ -83,8 +83,15 @@ class SeenSide(ScaleSpace):
 
     @property
     def vertical(self) -> NDArray[np.float64]:
-        """What level ground faces."""
-        return self.source.vertical
+        """What level ground faces; of a sheet that is seen from behind, on the side of the eye."""
+        up = self.source.vertical
+        return -up if self.turned.mean() > 0.5 else up
+
+    @property
+    def zenith(self) -> Floats:
+        """(n, 3) the source's, turned to the eye as normals are."""
+        zenith = self.source.zenith
+        return np.where(self.turned[:, None], -zenith, zenith)
 
     @property
     def relief_normals(self) -> NDArray[np.float32]:

@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from method_families import ON_MESHES
 
 import meshdepict as md
 from meshdepict.errors import MeshdepictWarning
@@ -29,7 +28,7 @@ def sheet(axis=2, *, back=False):
     return md.Mesh(points, faces[:, ::-1] if back else faces, winding="keep")
 
 
-@pytest.mark.parametrize("name", ON_MESHES)
+@pytest.mark.parametrize("name", METHODS)
 def test_the_back_of_a_sheet_is_shaded_as_its_front(name):
     front = md.bake(sheet(), name, light=(300, 40))
     back = md.bake(sheet(back=True), name, light=(300, 40), two_sided=True)
@@ -127,7 +126,7 @@ def test_a_session_shades_the_side_that_is_seen_from_wherever_it_looks():
     assert not np.array_equal(session.colors, front)
 
 
-@pytest.mark.parametrize("name", ON_MESHES)
+@pytest.mark.parametrize("name", METHODS)
 def test_every_method_is_two_sided_if_asked(name):
     space = md.scale_space(sheet(back=True), scales=2)
     function = md.shading.METHODS[name]
