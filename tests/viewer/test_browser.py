@@ -413,6 +413,33 @@ def test_a_page_that_is_closed_ends_nothing_and_ctrl_c_ends_it_cleanly(tab, ball
         tab.picture("browser-ended")
 
 
+def test_terrain_rises_with_its_slider_and_what_is_looked_at_stays(tab, tmp_path):  # noqa: F811
+    def tall(picture):
+        inside = picture[8:-8, 8:-8]  # of the ring that says where the keys go
+        return int((inside != inside[0, 0]).any(axis=2).any(axis=1).sum())
+
+    y, x = np.mgrid[:24, :32]
+    np.save(tmp_path / "hill.npy", 20 + 3 * np.exp(-((x - 15) ** 2 + (y - 12) ** 2) / 30))
+    with Served(tmp_path / "hill.npy", title="hill.npy") as served:
+        page = Page(tab, served)
+        tab.js("document.querySelector('canvas').focus()")
+        for _ in range(18):  # 5° each: the horizon
+            tab.key("ArrowUp")
+        tab.wait(SMOOTH)
+        flat = tab.canvas()
+        high = page.after(lambda: page.set("option-z_factor", 6), "browser-terrain")
+        assert tab.js("document.querySelector('output[for=option-z_factor]').innerText")[0] == "6"
+        assert tall(high) > 3 * tall(flat)
+        recipe = tomllib.loads(served.get("/depict/save/recipe")[1].decode())
+        assert recipe["z_factor"] == 6
+        focus = recipe["view"]["focus"]  # the box's middle, 21.5 m high, six times
+        assert 6 * 20 < focus[2] < 6 * 23
+        low = page.after(lambda: page.click("reset"))
+        assert tall(low) > tall(flat)  # the map again
+        assert tab.js("document.querySelector('output[for=option-z_factor]').innerText")[0] == "1"
+        assert tab.errors == []
+
+
 # --- wrong input --------------------------------------------------------------------------------
 
 
