@@ -15,8 +15,8 @@ RASTERS = (
 )  # fmt: skip
 """Suffixes that rasters have and neither meshes nor volumes."""
 
-MAPS = {"elevation models": (".tif", ".tiff", *RASTERS)}
-SCANS = {"volumes": (".nii", ".nrrd", ".nhdr", ".mha", ".mhd", ".vti")}
+MAPS: dict[str, tuple[str, ...]] = {"elevation models": (".tif", ".tiff", *RASTERS)}
+SCANS: dict[str, tuple[str, ...]] = {"volumes": (".nii", ".nrrd", ".nhdr", ".mha", ".mhd", ".vti")}
 """Suffixes by what such files hold, without what may be anything."""
 
 _MOST = 10_000  # names; more say no more about what a folder is for

@@ -28,7 +28,7 @@ FORMATS = {
     ".gltf": "gltf",
     ".vtp": "vtp",
 }
-MESHES = {"meshes": tuple(FORMATS)}
+MESHES: dict[str, tuple[str, ...]] = {"meshes": tuple(FORMATS)}
 WRITABLE = tuple(suffix for suffix in FORMATS if suffix != ".stl")  # STL holds no colours
 
 _OFF = re.compile(rb"\s*(?:#[^\r\n]*[\r\n]\s*)*(?:ST)?C?N?4?n?OFF(?:\b|(?=\d))")
