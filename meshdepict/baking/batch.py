@@ -29,7 +29,7 @@ from meshdepict.drawing.framing import check_scale, frame
 from meshdepict.drawing.picture import save_picture
 from meshdepict.drawing.picture_files import PICTURES, check_picture, write_page
 from meshdepict.errors import MeshdepictError, MeshdepictWarning
-from meshdepict.io.height_formats import RASTERS
+from meshdepict.io.folders import RASTERS
 from meshdepict.io.source import FORMATS, WRITABLE, suffix_of
 from meshdepict.options import Values, options_of
 from meshdepict.shapes import samples

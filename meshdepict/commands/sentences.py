@@ -12,6 +12,8 @@ __all__ = ["sentence"]
 
 # As close as cyclopts asks for its own suggestions.
 _ALIKE = 0.6
+# An option of a method that nobody named: --scale is --scales, --strenght no --set.
+_NEARLY, _CLEARLY = 0.75, 0.1
 
 
 def sentence(error: CycloptsError, words: Sequence[str]) -> str:
@@ -24,31 +26,54 @@ def sentence(error: CycloptsError, words: Sequence[str]) -> str:
             return f"no command is called {word!r}; did you mean: meshdepict bake {word}"
     command = " ".join(("meshdepict", *(error.command_chain or ())))
     text = str(error).strip().rstrip(".")
+    text = text.partition(" Available commands")[0]  # of which a few would be listed
     if isinstance(error, UnknownOptionError):
         text = _unknown(error, words) or text
     return f"{text[:1].lower()}{text[1:]} (see {command} --help)"
 
 
 def _unknown(error: UnknownOptionError, words: Sequence[str]) -> str | None:
-    """Name an option of the method where the word is nearer to that than to any of the command."""
+    """Name an option of a method where the word is nearer to that than to any of the command.
+
+    Those of the methods that are said come first, then everybody's.
+    """
     word = (error.token.keyword or error.token.value).partition("=")[0]
     own = [name for each in error.argument_collection if each.parse for name in each.names]
     if not word.startswith("--") or "--set" not in own:
         return None
-    found = {f"--{name.replace('_', '-')}": name for name in _options(words)}
-    likeness = {name: difflib.SequenceMatcher(None, word, name).ratio() for name in (*own, *found)}
-    nearest = max(likeness, key=lambda name: likeness[name])
-    if nearest not in found or likeness[nearest] < _ALIKE:
-        return None
-    return f"unknown option: {word}. Did you mean --set {found[nearest]}=?"
+    methods = _options()
+    said = [name for name in _said(words) if name in methods]
+    best = max(_likeness(word, name) for name in own)
+    for among, whose, least in (
+        (said, "", max(best, _ALIKE)),
+        (methods, ", which {} has", max(best + _CLEARLY, _NEARLY)),
+    ):
+        found = {name: method for method in reversed(among) for name in methods[method]}
+        name = max(found, key=lambda name: _likeness(word, _dashed(name)), default="")
+        if name and _likeness(word, _dashed(name)) >= least:
+            return f"unknown option: {word}. Did you mean --set {name}={whose.format(found[name])}?"
+    return None
 
 
-def _options(words: Sequence[str]) -> list[str]:
-    """Return the names of the options of the method that a command line says, or would use."""
-    from meshdepict.baking.choices import Choices
-    from meshdepict.errors import MeshdepictError
+def _dashed(name: str) -> str:
+    return f"--{name.replace('_', '-')}"
+
+
+def _likeness(word: str, name: str) -> float:
+    return difflib.SequenceMatcher(None, word, name).ratio()
+
+
+def _options() -> dict[str, list[str]]:
+    """Return the names of every method's options."""
     from meshdepict.options import options_of
-    from meshdepict.shading.registry import find_method
+    from meshdepict.shading.registry import METHODS
+
+    return {name: list(options_of(function)) for name, function in METHODS.items()}
+
+
+def _said(words: Sequence[str]) -> list[str]:
+    """Return the methods that a command line says, or the one that it would use."""
+    from meshdepict.baking.choices import Choices
 
     said = [
         text
@@ -57,8 +82,4 @@ def _options(words: Sequence[str]) -> list[str]:
         if name in {"-m", "--method"}
         for text in [value if equals else after]
     ]
-    method = said[-1] if said else Choices().method
-    try:
-        return list(options_of(find_method(method)))
-    except MeshdepictError:
-        return []
+    return said or [Choices().method]

@@ -15,6 +15,8 @@ from meshdepict.files.reach import inside
 from meshdepict.io.dicom_geometry import apart_from_the_plane, stacked
 from meshdepict.io.dicom_header import Slice, headers, is_dicom, opened
 from meshdepict.io.dicom_pixels import stored_numbers
+from meshdepict.io.folders import MAPS, SCANS, held
+from meshdepict.io.source import MESHES
 from meshdepict.io.tilt import straightened
 from meshdepict.io.volume_contents import VolumeContents, printable, rescaled
 from meshdepict.voxels.volume_input import fitting_integer
@@ -99,7 +101,7 @@ def _found(path: Path, series: str | int | None, notes: list[str]) -> list[Slice
         files = sorted(path.rglob("*"))
         found, left_out = headers(files)
         if not found:
-            raise MeshdepictError(f"holds no DICOM images{_instead(files, left_out)}")
+            raise MeshdepictError(f"holds no DICOM images{_instead(path, files, left_out)}")
         found = _chosen(found, series)
     else:
         file = opened(path)
@@ -151,7 +153,7 @@ def _note_parts(found: list[Slice], notes: list[str]) -> None:
         )
 
 
-def _instead(files: list[Path], left_out: list[Path]) -> str:
+def _instead(folder: Path, files: list[Path], left_out: list[Path]) -> str:
     """Return what a folder holds instead of DICOM images, in words that follow these."""
     if left_out:
         return f" that can be read: {left_out[0].name} is damaged, or holds none"
@@ -162,6 +164,7 @@ def _instead(files: list[Path], left_out: list[Path]) -> str:
     return (
         f", nor slices as TIFF, BMP, PNG or JPEG: most of its {suffixes.total():,} files are "
         f"{printable(common)[:20] or 'without a suffix'}"
+        f"{held(folder, MESHES | MAPS | SCANS)}"
     )
 
 

@@ -8,13 +8,13 @@ from pathlib import Path
 
 from meshdepict.errors import MeshdepictError
 from meshdepict.io.esri_grid import is_esri_grid, open_esri_grid
+from meshdepict.io.folders import MAPS, held
 from meshdepict.io.height_source import HeightSource
-from meshdepict.io.source import format_of, opened, unmarked
+from meshdepict.io.source import MESHES, format_of, opened, unmarked
 from meshdepict.io.tiff_pages import TIFF_MARKS, Page, scale_of, tiff_pages
 from meshdepict.io.usgs_dem import is_usgs_dem, open_usgs_dem
 
 __all__ = [
-    "RASTERS",
     "heights_format",
     "is_map_tiff",
     "is_mesh",
@@ -22,12 +22,6 @@ __all__ = [
     "is_tiff_path",
     "open_source",
 ]
-
-RASTERS = (
-    ".adf", ".asc", ".bag", ".bil", ".bt", ".dem", ".dt0", ".dt1", ".dt2", ".flt", ".grd", ".grib",
-    ".grb", ".grb2", ".gtx", ".hgt", ".img", ".nc", ".rst", ".sdat", ".ter", ".vrt",
-)  # fmt: skip
-"""Suffixes that rasters have and neither meshes nor volumes."""
 
 _BEGINNING = 4096
 
@@ -116,6 +110,8 @@ def open_source(path: Path, band: int, unit: str) -> HeightSource:
     if not path.exists():
         raise MeshdepictError("there is no such file")
     kind = heights_format(path)
+    if not kind and path.is_dir() and (instead := held(path, MAPS | MESHES)):
+        raise MeshdepictError(f"is a folder, not a file{instead}")
     if not kind and path.is_file() and _start(path).startswith(b"\x93NUMPY"):
         kind = "npy"
     if kind in ("esri", "usgs", "npy") and band != 1:

@@ -6,7 +6,8 @@ import os
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from meshdepict.io.height_formats import RASTERS, heights_format, is_mesh
+from meshdepict.io.folders import RASTERS
+from meshdepict.io.height_formats import heights_format, is_mesh
 from meshdepict.io.terrain import Paths, Terrain
 
 if TYPE_CHECKING:

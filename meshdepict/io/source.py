@@ -6,7 +6,6 @@ import gzip
 import os
 import re
 import zlib
-from collections import Counter
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -15,8 +14,9 @@ from typing import BinaryIO
 from meshdepict.errors import MeshdepictError
 from meshdepict.files.limits import unpacked
 from meshdepict.files.reach import regular
+from meshdepict.io.folders import MAPS, SCANS, held
 
-__all__ = ["FORMATS", "WRITABLE", "format_of", "opened", "suffix_of", "unmarked"]
+__all__ = ["FORMATS", "MESHES", "WRITABLE", "format_of", "opened", "suffix_of", "unmarked"]
 
 # Suffix → the module of this package that reads (and, but for STL, writes) it.
 FORMATS = {
@@ -28,6 +28,7 @@ FORMATS = {
     ".gltf": "gltf",
     ".vtp": "vtp",
 }
+MESHES: dict[str, tuple[str, ...]] = {"meshes": tuple(FORMATS)}
 WRITABLE = tuple(suffix for suffix in FORMATS if suffix != ".stl")  # STL holds no colours
 
 _OFF = re.compile(rb"\s*(?:#[^\r\n]*[\r\n]\s*)*(?:ST)?C?N?4?n?OFF(?:\b|(?=\d))")
@@ -66,29 +67,14 @@ def opened(path: str | os.PathLike[str]) -> Iterator[BinaryIO]:
     except FileNotFoundError:
         raise MeshdepictError(f"{path}: there is no such file") from None
     except IsADirectoryError:
-        raise MeshdepictError(f"{path} is a folder, not a file{_inside(path)}") from None
+        instead = held(path, MESHES | MAPS | SCANS) or "; there is no mesh in it"
+        raise MeshdepictError(f"{path} is a folder, not a file{instead}") from None
     except PermissionError:
         raise MeshdepictError(f"{path} may not be read: permission denied") from None
     except (gzip.BadGzipFile, EOFError, zlib.error) as error:
         raise MeshdepictError(f"{path} is damaged: unpacking it failed ({error})") from error
     except OSError as error:
         raise MeshdepictError(f"{path} could not be read: {error.strerror or error}") from error
-
-
-def _inside(folder: str | os.PathLike[str]) -> str:
-    """Say which of a folder's files can be given instead."""
-    try:
-        names = [entry.name for entry in os.scandir(folder) if suffix_of(entry.name) in FORMATS]
-    except OSError:
-        names = []
-    if not names:
-        return "; there is no mesh in it"
-    # The kind that most of them are.
-    suffixes = Counter(suffix_of(name) for name in names)
-    ((suffix, count),) = suffixes.most_common(1)
-    if count == 1:
-        return f"; did you mean {Path(folder) / min(names)}?"
-    return f"; for its {count:,} meshes of one kind give {Path(folder) / ('*' + suffix)}"
 
 
 def unmarked(data: bytes) -> bytes:
