@@ -13,6 +13,7 @@ from meshdepict import color
 from meshdepict.baking.choice_list import (
     AUTO,
     HEIGHTS,
+    IMAGE,
     VOLUME,
     ChoiceList,
     choice_fields,
