@@ -148,7 +148,9 @@ def main() -> None:
     parser.add_argument("--shown", type=int, help="size on the sheet; as they are unless given")
     given = parser.parse_args()
     wanted: dict[str, tuple[str, dict[str, Any]]] = {
-        name: (name, {}) for name in given.method or METHODS
+        name: (name, {})
+        for name in given.method
+        or [name for name in METHODS if "heights" not in declaration(METHODS[name]).needs]
     }
     wanted |= EXTRA if given.extra else {}
     pictures: dict[str, list[Image.Image]] = {}

@@ -38,7 +38,8 @@ def measure(mesh: str, method: str, runs: int) -> tuple[list[Cost], list[Cost]]:
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("mesh")
-    parser.add_argument("methods", nargs="*", default=list(METHODS), metavar="METHOD")
+    usual = [name for name in METHODS if "heights" not in declaration(METHODS[name]).needs]
+    parser.add_argument("methods", nargs="*", default=usual, metavar="METHOD")
     parser.add_argument("--runs", type=int, default=5)
     given = parser.parse_args()
     head("method", "scales", "seconds", "beyond Lambert and scales", "… of the processor")
