@@ -422,9 +422,10 @@ def test_terrain_rises_with_its_slider_and_what_is_looked_at_stays(tab, tmp_path
     np.save(tmp_path / "hill.npy", 20 + 3 * np.exp(-((x - 15) ** 2 + (y - 12) ** 2) / 30))
     with Served(tmp_path / "hill.npy", title="hill.npy") as served:
         page = Page(tab, served)
-        tab.js("document.querySelector('canvas').focus()")
-        for _ in range(18):  # 5° each: the horizon
-            tab.key("ArrowUp")
+        full = tab.js("Math.min(...['Width', 'Height'].map(side => "
+                      "document.querySelector('canvas')['client' + side]))")  # fmt: skip
+        tab.js("document.querySelector('canvas').dataset.smooth = ''")
+        tab.drag((full / 2, 0.8 * full), (full / 2, 0.3 * full))  # 90°: from the horizon
         tab.wait(SMOOTH)
         flat = tab.canvas()
         high = page.after(lambda: page.set("option-z_factor", 6), "browser-terrain")
