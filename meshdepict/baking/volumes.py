@@ -20,6 +20,7 @@ from meshdepict.options import real
 from meshdepict.scales.grid_making import MEMORY, sample_bytes, space_of_mask
 from meshdepict.scales.grid_scales import GridSpace
 from meshdepict.scales.ladder import Progress
+from meshdepict.shapes.height_grids import is_layer
 from meshdepict.voxels.grid_samples import shaded_voxels
 from meshdepict.voxels.grid_sums import Piece
 
@@ -169,13 +170,14 @@ def bake_grid(
 
 
 def is_volume(shape: object) -> bool:
-    """Whether this is a volume, its scale space, its file or PyVista's image data."""
+    """Whether this is a volume, its scale space, its file or PyVista's image data of layers."""
     if isinstance(shape, (str, os.PathLike)):
         from meshdepict.io.volumes import is_volume_path
 
         return is_volume_path(shape)
     sampled = shape.shape if isinstance(shape, GridSpace) else shape
-    return getattr(sampled, "kind", None) == "volume" or hasattr(shape, "GetSpacing")
+    image = hasattr(shape, "GetSpacing") and not is_layer(shape)
+    return getattr(sampled, "kind", None) == "volume" or image
 
 
 def as_volume(volume: object) -> Volume:
