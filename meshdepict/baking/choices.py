@@ -24,6 +24,7 @@ from meshdepict.color.tints import checked_tint
 from meshdepict.errors import MeshdepictError, MeshdepictWarning
 from meshdepict.options import check, options_of, real
 from meshdepict.scene.environment import SAMPLINGS
+from meshdepict.scene.light import Light
 from meshdepict.scene.names import Lighting, LightsLike, as_light, as_lighting, as_view
 from meshdepict.scene.upright import upright
 from meshdepict.scene.view import View
@@ -224,10 +225,25 @@ class Choices(ChoiceList):
         """Return the lights that names stand for in a view of a kind of shape.
 
         A `Light`, `Lights` or an Environment; one `Light` where two results are mapped.
+
+        Raises
+        ------
+        MeshdepictError
+            For what is no light, and for several of a method that takes one.
         """
         if self.colormap2d is not None:
             return as_light(self.lit_by, view)
-        return as_lighting(self.lit_by, view, up=self.axis(kind), sampling=self.sampling)
+        found = as_lighting(self.lit_by, view, up=self.axis(kind), sampling=self.sampling)
+        if self.declared.lights == "one" and not isinstance(found, Light):
+            from meshdepict.shading.method import declaration
+            from meshdepict.shading.registry import METHODS
+
+            many = [name for name, each in METHODS.items() if declaration(each).lights == "several"]
+            raise MeshdepictError(
+                f"one light is needed here, not several ({found!s:.60}): {self.method} takes one, "
+                f"northwest for instance; several are for {', '.join(many)}"
+            )
+        return found
 
     def reads(self, last: int) -> Reads:
         """Return what the method reads of a scale space with so many smoothed sets."""

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from meshdepict.baking.baked import Baked
 from meshdepict.baking.choice_list import LADDER, choice_fields
 from meshdepict.baking.look import Look
+from meshdepict.baking.plate_input import notes_about
 from meshdepict.baking.surfaces import bake_surface
 from meshdepict.baking.volumes import BakedVolume, bake_grid
 from meshdepict.drawing.arrangement import Arrangement
@@ -69,7 +70,8 @@ def draw_groups(
         group = groups[spot.group]
         for key in [key for key in spaces if key[0] != id(group.shape)]:
             del spaces[key]  # of a shape that is done
-        baked = _baked(group, spot.view, spaces)
+        with notes_about(group.name):
+            baked = _baked(group, spot.view, spaces)
         pixels = on_ground(_pixels(baked, spot), ground)
         pictures.append(Picture(Image.fromarray(pixels), spot.left, spot.top))
         number = f"{spot.group + 1} " if len(groups) > 1 else ""

@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Mapping, Sequence
+import warnings
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+from meshdepict.baking.choice_list import MESH
 from meshdepict.baking.look import Look
 from meshdepict.baking.surfaces import as_solid, with_choices
 from meshdepict.baking.volumes import as_volume, is_volume
 from meshdepict.drawing.arrangement import turn_names
-from meshdepict.errors import MeshdepictError
+from meshdepict.errors import MeshdepictError, MeshdepictWarning
 from meshdepict.scales.space import ScaleSpace
 from meshdepict.scene.view import View
 from meshdepict.shading.method import declaration
@@ -22,9 +25,11 @@ from meshdepict.shapes.mesh import Mesh
 from meshdepict.shapes.volume import Volume
 
 __all__ = [
-    "checked_options", "common_unit", "main_and_turns", "plate_looks", "shape_name",
-    "turnable_shape",
+    "checked_options", "common_unit", "main_and_turns", "notes_about", "plate_looks",
+    "shape_name", "turnable_shape",
 ]  # fmt: skip
+
+_ANY_EYE = View((0, 0, 1), (0, 0, 0), (0, 1, 0), parallel_scale=1)
 
 
 def main_and_turns(views: str | View | Sequence[str | View]) -> tuple[str | View, list[str]]:
@@ -61,6 +66,8 @@ def plate_looks(
         looks += [
             Look(function, **chosen, **own, light=light) for light in lights[: None if lit else 1]
         ]
+    for look in looks:
+        look.lighting(_ANY_EYE, MESH)  # refuses too many, before shapes are read
     known = {look.method for look in looks}
     for name in options:
         if name not in known:
@@ -93,6 +100,24 @@ def shape_name(shape: object, place: int) -> str:
     if isinstance(shape, (str, os.PathLike)):
         return Path(shape).name.partition(".")[0]
     return str(place + 1)
+
+
+@contextmanager
+def notes_about(name: str) -> Iterator[None]:
+    """Put a shape's name in front of what is said about it; none where there is one shape."""
+    if not name:
+        yield
+        return
+    heard: list[warnings.WarningMessage] = []
+    try:
+        with warnings.catch_warnings(record=True) as heard:
+            warnings.simplefilter("always")
+            yield
+    finally:
+        for note in heard:
+            ours = issubclass(note.category, MeshdepictWarning)
+            text = f"{name}: {note.message}" if ours else str(note.message)
+            warnings.warn(text, note.category, stacklevel=3)
 
 
 def common_unit(shapes: Sequence[Mesh | HeightField | Volume]) -> str:

@@ -14,6 +14,7 @@ from meshdepict.baking.plate_input import (
     checked_options,
     common_unit,
     main_and_turns,
+    notes_about,
     plate_looks,
     shape_name,
     turnable_shape,
@@ -150,6 +151,9 @@ def plate(
     pixels = figure.pixels
     if pixels is None:
         raise MeshdepictError("a plate's page needs a size, such as A4 or 210x297mm")
+    for one in ("method", "light", "view"):
+        if one in chosen:
+            raise MeshdepictError(f"a plate has {one}s, one or more: say {one}s= and not {one}=")
     main, turns = main_and_turns(views)
     lamps: list[Any] = list(lights) if is_several(lights) else [lights]
     if not lamps:
@@ -162,15 +166,18 @@ def plate(
     figure = figure.on(
         "paper" if any(look.declared.ground == "paper" for look in looks) else "white"
     )
-    read = [turnable_shape(shape, looks[0]) for shape in given]
-    poses = [looks[0].posed(shape) for shape in read]
     called = [shape_name(shape, i) for i, shape in enumerate(given)]
     if names is not None:
         if not isinstance(names, (list, tuple)) or not all(isinstance(n, str) for n in names):
             raise MeshdepictError(f"names={names!r} is no list of texts")
         called = list(names)
-    if len(called) != len(read):
-        raise MeshdepictError(f"there are {len(read)} shapes and {len(called)} names for them")
+    if len(called) != len(given):
+        raise MeshdepictError(f"there are {len(given)} shapes and {len(called)} names for them")
+    read, poses = [], []
+    for shape, name in zip(given, called, strict=True):
+        with notes_about(name if len(given) > 1 else ""):
+            read.append(turnable_shape(shape, looks[0]))
+            poses.append(looks[0].posed(read[-1]))
     if figure.caption == "auto":
         seen = poses[0].view
         sides = ", ".join((seen if isinstance(seen, str) else "own view", *turns))

@@ -13,6 +13,7 @@ from meshdepict import MeshdepictError
 from meshdepict.baking import plate_groups
 from meshdepict.drawing.page import Block, Picture, Words
 from meshdepict.drawing.picture_files import read_picture_provenance
+from meshdepict.errors import MeshdepictWarning
 from meshdepict.shapes import samples
 
 SVG = "{http://www.w3.org/2000/svg}"
@@ -173,6 +174,16 @@ def test_several_shapes_have_names_and_one_scale(egg, tmp_path):
     assert words(again)[0].startswith("find: ")
 
 
+def test_notes_say_which_of_several_shapes_they_are_about(egg):
+    tall = md.Mesh(egg.vertices[:, [2, 1, 0]], egg.faces[:, ::-1])
+    bright = {"methods": "phong", "lights": [md.Environment(np.full((8, 16, 3), 9.0))], **SMALL}
+    with pytest.warns(MeshdepictWarning, match="too bright") as heard:
+        md.plate([egg, tall], names=["flat", "tall"], **bright)
+    assert {str(note.message).partition(":")[0] for note in heard} == {"flat", "tall"}
+    with pytest.warns(MeshdepictWarning, match="^[0-9]+% of the samples are too bright"):
+        md.plate(egg, **bright)
+
+
 def test_volumes_and_meshes_stand_beside_each_other(egg):
     phantom = samples.ct_phantom((24, 24, 24))
     plate = md.plate([phantom, phantom], ["lambert", "half_lambert"], views="front,right", **SMALL)
@@ -277,6 +288,10 @@ def test_auto_says_which_views_and_shapes(egg):
         ({"views": [md.View((0, 0, 99), (70, 0, 0), (0, 1, 0), field_of_view=9)]}, "parallel view"),
         ({"methods": []}, "a plate needs a method"),
         ({"methods": "lambertt"}, "lambertt"),
+        ({"lights": ["west", "studio"]}, r"not several \(studio.*lambert takes one.* for .*phong"),
+        ({"light": "west"}, "a plate has lights, one or more: say lights= and not light="),
+        ({"view": "top"}, "a plate has views, one or more"),
+        ({"method": "toon"}, "a plate has methods, one or more"),
         ({"lights": ["northwest", "wst"]}, "no light is called 'wst'"),
         ({"size": None}, "a plate's page needs a size"),
         ({"size": (20, 20)}, "a page of 20x20 pixels has no room for 1 group of views"),
