@@ -32,14 +32,6 @@ def sheet(heights: Heights, spacing: float) -> md.Mesh:
     return md.Mesh(points[there], new[cells[there[cells].all(axis=1)]], winding="keep")
 
 
-def terrain(folder: Path | None, vertices: int) -> md.Mesh:
-    """Return Mount St. Helens, every 60 m, or the ridges round a hill."""
-    if folder is None:
-        return samples.radiating_ridges(vertices)
-    heights = np.asarray(Image.open(folder / "dem" / "dem_st_helens_30m.tif"), np.float64)
-    return sheet(heights[::2, ::2], 60.0)
-
-
 def manuscript(vertices: int, *, written: bool = True) -> md.Mesh:
     """Return a page that was folded in four and is not flat, letters embossed on it."""
     n = round(vertices**0.5)

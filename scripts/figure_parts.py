@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from figure_objects import manuscript, skull, terrain
+from figure_objects import manuscript, skull
 from PIL import Image, ImageDraw, ImageFont
 from scipy.ndimage import gaussian_filter
 
@@ -59,10 +59,8 @@ def mesh(name: str, folder: Path | None, vertices: int) -> md.Mesh:
     """Return an object: procedural, a scan of the data folder, or without one the golf ball."""
     if name in ("manuscript", "blank page"):
         return manuscript(vertices, written=name == "manuscript")
-    if name in ("terrain", "skull"):
-        return (terrain if name == "terrain" else skull)(folder, vertices)
-    if name == "ridges":
-        return samples.radiating_ridges(vertices, hill=0.15)
+    if name == "skull":
+        return skull(folder, vertices)
     if name == "sphere":
         return samples.sphere(vertices)
     if folder is None or name not in SCANS:

@@ -22,12 +22,14 @@ import figures_es_uses
 import figures_lla
 import figures_lw
 import figures_rs
+import figures_terrain
 from figure_parts import FIGURES, Stage
 
 import meshdepict as md
 
 MODULES = (
     figures_es,
+    figures_terrain,
     figures_es_uses,
     figures_lw,
     figures_rs,

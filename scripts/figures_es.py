@@ -4,16 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 from figure_parts import Stage, drawing, figure, page
-from numpy.typing import NDArray
 from PIL import Image
 from scipy.ndimage import gaussian_filter1d
 
-import meshdepict as md
 from meshdepict.color.colormaps2d import mix
 from meshdepict.shading.bands import band_weights
 from meshdepict.shading.exaggerated import local_light, soft_toon
 
-WEST = np.array([-1.0, 1.0, 0.0]) / 2**0.5  # northwest, level, as for maps
 NORTHWEST = np.array([-1.0, 1.0, 1.0]) / 3**0.5
 
 
@@ -33,68 +30,6 @@ def es1(stage: Stage) -> Image.Image:
         shown = shot.picture(values, colormap="gooch")
         row.append((f"{words}\ncontrast, facing the light: {spread}", shown))
     return page([row])
-
-
-def relief(space: md.ScaleSpace, exaggeration: float, emphasis: float) -> NDArray[np.float64]:
-    """Return eq. 2 at every scale, under one light for all, as the paper shades terrain."""
-    weights = band_weights(space.widths, space.ratio, emphasis=emphasis, contrast=1.0)
-    terms = [soft_toon(space.normals_at(i) @ WEST, exaggeration) for i in range(len(weights))]
-    return 0.5 + 0.5 * weights @ np.array(terms)
-
-
-@figure("Terrain: diffuse light, broad forms as drawn by hand, and more detail")
-def es2(stage: Stage) -> Image.Image:
-    shot = stage.look("terrain", zoom=1.4)
-    space = shot.vertices(scales=9, facing=0)
-    broad = shot.buffer.sample(space.normals_at(6))
-    away = np.degrees(np.arctan2(broad[:, 1], broad[:, 0])) - 135  # from the light, round the map
-    side = np.round(np.abs((away + 180) % 360 - 180) / 30)
-    slopes = np.hypot(broad[:, 0], broad[:, 1]) > np.sin(np.radians(8))
-    row = []
-    for words, values in (
-        ("diffuse", 0.5 + 0.5 * space.normals_at(0) @ NORTHWEST),
-        ("as by hand: one light, a = 3, k ∝ σ^0", relief(space, 3.0, 0.0)),
-        ("more detail: local light, a = 25, k ∝ σ^−½",
-         md.shading.exaggerated(space, WEST, exaggeration=25.0, emphasis=-0.5, base=4.0)),
-    ):  # fmt: skip
-        shown = shot.buffer.sample(values)
-        tones = ", ".join(f"{shown[slopes & (side == i)].mean():.2f}" for i in (0, 1, 2, 4, 5, 6))
-        dark = shot.detail(shown)[slopes & (side > 3)].std()
-        words += f"\nslopes 0, 30, 60, 120 … 180° from the light:\n{tones}"
-        row.append((f"{words}\ndetail away from the light {dark:.3f}", shot.picture(shown)))
-    return page([row])
-
-
-@figure("Local lighting models on a sphere and on ridges: diffuse, scaled height, soft toon")
-def es3(stage: Stage) -> Image.Image:
-    steep = (5.0, 5.0, 1.0)
-
-    def scaled(normals):
-        normals = normals * steep
-        return 0.5 + 0.5 * normals @ WEST / np.linalg.norm(normals, axis=1)
-
-    models = {
-        "diffuse, ½ + ½ n·l": lambda normals: 0.5 + 0.5 * normals @ WEST,
-        "height × 5": scaled,
-        "soft toon, a = 12": lambda normals: 0.5 + 0.5 * soft_toon(normals @ WEST, 12.0),
-    }
-    sphere, ridges = stage.look("sphere"), stage.look("ridges")
-    flank = ridges.buffer.points
-    distance = np.hypot(flank[:, 0], flank[:, 1])
-    place = (np.degrees(np.arctan2(flank[:, 1], flank[:, 0])) % 360 + 7.5) // 15 % 24
-    ring = (distance > 0.7) & (distance < 0.8)
-    rows = [[], []]
-    for name, model in models.items():
-        values = model(ridges.buffer.normals)
-        contrast = [np.ptp(values[ring & (place == i)]) for i in range(24)]
-        equal = sum(c > 0.9 * max(contrast) for c in contrast)
-        words = (
-            f"contrast of 24 ridges {min(contrast):.2f} … {max(contrast):.2f},\n"
-            f"{equal} within 10 % of the best"
-        )
-        rows[0].append((name, sphere.picture(model(sphere.buffer.normals))))
-        rows[1].append((words, ridges.picture(values)))
-    return page(rows)
 
 
 @figure("On a profile: one light for all, and a light in the plane of the next smoother normal")
