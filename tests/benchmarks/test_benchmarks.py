@@ -59,10 +59,11 @@ def test_what_people_wait_for_has_a_benchmark():
     """The expensive step, a new light, whole processes, CT and pixels; memory of each shape."""
     modules = {name.split(".")[1] for name in ALL}
     assert modules >= {
-        "browser", "curvatures", "lights", "live", "pixels", "processes", "scale_spaces", "volumes",
+        "browser", "curvatures", "lights", "live", "pixels", "processes", "scale_spaces",
+        "terrain_files", "volumes",
     }  # fmt: skip
     peaks = {name.split(".")[1] for name in ALL if ".peakmem_" in name}
-    assert peaks == {"scale_spaces", "volumes", "pixels"}
+    assert peaks == {"scale_spaces", "volumes", "pixels", "terrain_files"}
 
 
 @pytest.mark.usefixtures("small")
