@@ -149,10 +149,13 @@ def cut_for(
     while taken(side) > memory and side > align:
         side = max(side // 2, align)
     if taken(side) > memory:
+        looks, less = "the method looks at", "let it look less far (its radius or rings)"
+        if width > 0:
+            looks, less = f"widths of {width:.4g} m look at", "take smaller widths"
         raise MeshdepictError(
-            f"a window of {side:,} cells with the {max(beside):,} around it that widths of "
-            f"{width:.4g} m look at takes {as_text(taken(side))} of memory, and {as_text(memory)} "
-            "are allowed: allow more with --max-memory, or take smaller widths"
+            f"a window of {side:,} cells with the {max(beside):,} around it that {looks} takes "
+            f"{as_text(taken(side))} of memory, and {as_text(memory)} are allowed: allow more "
+            f"with --max-memory, or {less}"
         )
     return Cut(rows, columns, side, beside[0], beside[1], align)
 

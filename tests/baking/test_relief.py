@@ -99,8 +99,10 @@ def test_the_windows_fit_into_the_memory_that_is_allowed():
 
 
 def test_a_window_that_memory_does_not_hold_is_refused():
-    with pytest.raises(MeshdepictError, match="--max-memory"):
+    with pytest.raises(MeshdepictError, match=r"widths of .* m look at .*or take smaller widths"):
         Relief(ground(), Look(width=100.0), memory=1e7)
+    with pytest.raises(MeshdepictError, match=r"303 around it that the method .*look less far"):
+        Relief(ground(), Look("topographic_position", broad=300), memory=1e7)
 
 
 def test_methods_that_look_at_everything_are_refused_where_it_does_not_fit():
