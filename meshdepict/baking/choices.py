@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import inspect
+import textwrap
 import warnings
 from collections.abc import Callable, Iterable, Sequence
 from numbers import Real
@@ -239,8 +240,9 @@ class Choices(ChoiceList):
             from meshdepict.shading.registry import METHODS
 
             many = [name for name, each in METHODS.items() if declaration(each).lights == "several"]
+            said = textwrap.shorten(str(found).partition(" (")[0], 60, placeholder=" …")
             raise MeshdepictError(
-                f"one light is needed here, not several ({found!s:.60}): {self.method} takes one, "
+                f"one light is needed here, not several ({said}): {self.method} takes one, "
                 f"northwest for instance; several are for {', '.join(many)}"
             )
         return found

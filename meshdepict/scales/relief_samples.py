@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from meshdepict.errors import MeshdepictError
 from meshdepict.scales.normal_sets import NormalSets
+from meshdepict.scene.shape import one_of
 
 if TYPE_CHECKING:
     from meshdepict.scene.shape import Shape
@@ -49,8 +50,8 @@ class ReliefSamples(NormalSets):
             Where the shape is none.
         """
         raise MeshdepictError(
-            f"rays need a surface to meet, and a {self.shape.kind} is none: use another method, or "
-            "shade a mesh"
+            f"rays need a surface to meet, and {one_of(self.shape.kind)} is none: use another "
+            "method, or shade a mesh"
         )
 
     @property
@@ -68,8 +69,8 @@ class ReliefSamples(NormalSets):
             Where they are no parts of a surface.
         """
         raise MeshdepictError(
-            f"areas of a surface are needed, and samples of a {self.shape.kind} have none: use "
-            "another method, or shade a mesh"
+            f"areas of a surface are needed, and samples of {one_of(self.shape.kind)} have none: "
+            "use another method, or shade a mesh"
         )
 
     @property
@@ -129,8 +130,8 @@ class ReliefSamples(NormalSets):
         """Return a radius in world units; refuse what is about terrain."""
         if horizon != "lines":
             raise MeshdepictError(
-                f"horizon={horizon!r} is about cells of terrain, and a {self.shape.kind} has none: "
-                "leave it out"
+                f"horizon={horizon!r} is about cells of terrain, and {one_of(self.shape.kind)} has "
+                "none: leave it out"
             )
         return radius * self.shape.edge_length
 
@@ -158,6 +159,6 @@ class ReliefSamples(NormalSets):
             Where there is no raster of heights.
         """
         raise MeshdepictError(
-            f"heights on a raster are needed, and a {self.shape.kind} has none: use another "
+            f"heights on a raster are needed, and {one_of(self.shape.kind)} has none: use another "
             "method, or shade a HeightField"
         )

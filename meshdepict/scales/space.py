@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from meshdepict.errors import MeshdepictError
 from meshdepict.scales.ladder import FACING, TOLERANCE
 from meshdepict.scales.relief_samples import ReliefSamples
+from meshdepict.scene.shape import one_of
 from meshdepict.shapes.table import html_table
 
 if TYPE_CHECKING:
@@ -170,24 +171,26 @@ class ScaleSpace(ReliefSamples):
             Where there is no ground.
         """
         raise MeshdepictError(
-            f"a {self.shape.kind} has no level ground, which one light for relief needs: leave "
-            "one_light out"
+            f"{one_of(self.shape.kind)} has no level ground, which one light for relief needs: "
+            "leave one_light out"
         )
 
     def mean(self, values: NDArray[Any], width: float) -> NDArray[np.float64]:
         """Return values (n,) averaged over the samples around under a Gaussian of a world width."""
-        raise MeshdepictError(f"values can't be averaged over a {self.shape.kind}")
+        raise MeshdepictError(f"values can't be averaged over {one_of(self.shape.kind)}")
 
     def of_vertices(self, values: NDArray[Any]) -> NDArray[Any]:
         """Return values of the vertices of the shape's mesh (v,) at the samples (n,)."""
-        raise MeshdepictError(f"a {self.shape.kind} has no vertices whose values could be taken")
+        raise MeshdepictError(
+            f"{one_of(self.shape.kind)} has no vertices whose values could be taken"
+        )
 
     def _principal(self, scale: int) -> PrincipalCurvatures:
-        raise MeshdepictError(f"a {self.shape.kind} has no curvature")
+        raise MeshdepictError(f"{one_of(self.shape.kind)} has no curvature")
 
     def _turns(self, scale: int) -> NDArray[np.float32]:
         """Return the least cosine between a sample's normal and its neighbours': (n,)."""
-        raise MeshdepictError(f"a {self.shape.kind} has no creases")
+        raise MeshdepictError(f"{one_of(self.shape.kind)} has no creases")
 
     def _open(self, rays: int) -> Openness:
         from meshdepict.transport.occlusion import ambient_openness

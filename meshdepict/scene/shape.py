@@ -6,7 +6,7 @@ from typing import Protocol
 
 from meshdepict.scene.vectors import Vector
 
-__all__ = ["Shape"]
+__all__ = ["Shape", "one_of"]
 
 
 class Shape(Protocol):
@@ -38,3 +38,8 @@ class Shape(Protocol):
 
     def recentred(self, points: Vector) -> Vector:
         """Return positions in diagonals from the centre, where single precision is enough."""
+
+
+def one_of(kind: str) -> str:
+    """Return a shape's kind with its article, for a sentence: a mesh, an image."""
+    return f"{'an' if kind[0] in 'aeiou' else 'a'} {kind}"

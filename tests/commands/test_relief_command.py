@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from meshdepict.baking.recipe import load_recipe
 from meshdepict.cli import main
 
 
@@ -104,3 +105,18 @@ def test_tiles_are_one_model(dem, capsys):
 
     with Image.open("both.png") as both, Image.open("one.png") as one:
         assert np.array_equal(np.asarray(both), np.asarray(one))
+
+
+def test_a_recipe_holds_what_was_said_and_fits_every_model_anew(dem):
+    words = ["-o", "a.png", "--scales", "2", "--quiet"]
+    assert main(["relief", dem, *words, "--save-recipe", "look.toml"]) == 0
+    look = load_recipe("look.toml")
+    assert look["scales"] == 2
+    assert "exaggeration" not in look  # it follows the terrain
+    np.save("steep.npy", 20 * np.load(dem))
+    for words in (["--scales", "2"], ["--recipe", "look.toml"]):
+        assert main(["relief", "steep.npy", *words, "-o", f"{words[0][2:]}.png", "--quiet"]) == 0
+    from PIL import Image
+
+    with Image.open("scales.png") as own, Image.open("recipe.png") as told:
+        assert np.array_equal(np.asarray(own), np.asarray(told))

@@ -313,3 +313,11 @@ def test_images_without_a_mesh_have_no_rays():
     buffer = GBuffer.from_images(np.array([[[0.0, 0, 1]]]))
     with pytest.raises(MeshdepictError, match="give from_images an occlusion image"):
         image_space(buffer, scales=0).occlusion()
+
+
+def test_what_an_image_lacks_is_said_of_an_image():
+    space = scale_space(GBuffer.of(samples.sphere(300), "front", size=(24, 24)), scales=1)
+    with pytest.raises(MeshdepictError, match="and an image has none"):
+        METHODS["local_dominance"](space, "north")
+    with pytest.raises(MeshdepictError, match=r"^an image has no level ground"):
+        METHODS["exaggerated"](space, "north", one_light=True)

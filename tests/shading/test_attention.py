@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import meshdepict as md
-from meshdepict.errors import MeshdepictError
+from meshdepict.errors import MeshdepictError, MeshdepictWarning
 from meshdepict.shading import exaggerated
 from meshdepict.shading.attention import detail_share, remoteness
 from meshdepict.shading.bands import band_weights
@@ -45,7 +45,8 @@ def test_a_wide_radius_is_no_attention_and_a_narrow_one_leaves_the_base_coat(spa
     np.testing.assert_allclose(paper(space, focus=FOCUS, radius=1e9), plain, atol=1e-6)
     weights = band_weights(space.widths, space.ratio, emphasis=-0.5, contrast=1.0)
     base = (1 + weights[-1] * (space.normals[-1] @ LIGHT)) / 2
-    narrow = paper(space, focus=(9, 9, 9), radius=1e-250)
+    with pytest.warns(MeshdepictWarning, match="9,9,9 is .* away from it"):
+        narrow = paper(space, focus=(9, 9, 9), radius=1e-250)
     np.testing.assert_allclose(narrow, base, atol=1e-6)
 
 
@@ -81,3 +82,11 @@ def test_from_the_command_line(run, ball_ply):
 def test_wrong_input_is_refused(space, options, message):
     with pytest.raises(MeshdepictError, match=message):
         md.bake(space, "exaggerated", **options)
+
+
+def test_a_focus_far_from_the_object_is_told(space):
+    far = space.points.mean(axis=0) + 9 * space.shape.diagonal
+    with pytest.warns(MeshdepictWarning, match=r"the object's diagonals away .*: fine detail"):
+        exaggerated(space, "north", focus=far)
+    beside = space.points.max(axis=0) + 0.2 * space.shape.diagonal
+    assert np.isfinite(exaggerated(space, "north", focus=beside)).all()  # a place beside is one

@@ -148,7 +148,8 @@ def test_what_is_about_rasters_is_refused_elsewhere(name: str, kind: str) -> Non
         "mesh": ball, "image": md.GBuffer.of(ball, "front", size=(12, 12)),
         "volume": md.samples.ct_phantom((8, 8, 8)),
     }  # fmt: skip
-    with pytest.raises(MeshdepictError, match=f"heights on a raster are needed, and a {kind} has"):
+    one = {"mesh": "a mesh", "image": "an image", "volume": "a volume"}[kind]
+    with pytest.raises(MeshdepictError, match=f"heights on a raster are needed, and {one} has"):
         shading.METHODS[name](md.scale_space(shapes[kind], scales=0), "north")
 
 
