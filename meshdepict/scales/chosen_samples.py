@@ -76,6 +76,11 @@ class ChosenSamples(ScaleSpace):
         """Return the share of the light that reaches each sample."""
         return self._whole.occlusion(rays)[self._chosen]
 
+    @property
+    def vertex_space(self) -> ScaleSpace:
+        """That of the whole."""
+        return self._whole.vertex_space
+
     def transport(self, rays: int = 64) -> Transfer:
         """Return where the rays of the whole go."""
         return self._whole.transport(rays)

@@ -78,6 +78,11 @@ class InterpolatedSpace(ScaleSpace):
         """Interpolate values of the vertices."""
         return self._spread(self.source.of_vertices(values))
 
+    @property
+    def vertex_space(self) -> ScaleSpace:
+        """That of the source."""
+        return self.source.vertex_space
+
     def transport(self, rays: int = 64) -> Transfer:
         """Return where the rays from the vertices go."""
         return self.source.transport(rays)

@@ -163,6 +163,23 @@ class ScaleSpace(ReliefSamples):
         """Root mean square error of the occlusion computed so far, by the number of rays."""
         return {rays: openness.error for rays, openness in self._openness.items()}
 
+    @property
+    def vertex_space(self) -> ScaleSpace:
+        """Samples at the vertices of the surface that these lie on; themselves if they are those.
+
+        Raises
+        ------
+        MeshdepictError
+            Where there is none.
+        """
+        if self.at_vertices:
+            return self
+        kind = self.surface.kind  # what has no surface says so
+        raise MeshdepictError(
+            f"how light is scaled where it bounces is known at the vertices of a {kind}, which the "
+            f"samples of this {self.shape.kind} are not: shade the mesh itself, or set bounces=0"
+        )
+
     def transport(self, rays: int = 64) -> Transfer:
         """Return where rays from the vertices of the surface go; traced once.
 

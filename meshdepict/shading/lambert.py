@@ -14,7 +14,7 @@ from meshdepict.scene.light import Light
 from meshdepict.scene.names import LightLike, as_light
 from meshdepict.scene.vectors import cosines
 from meshdepict.shading.method import Exposure, exposed, method
-from meshdepict.shading.reached import Bounces, LightRays, Shadows, ray_count, reached
+from meshdepict.shading.reached import USUAL_RAYS, Bounces, LightRays, Shadows, ray_count, reached
 
 __all__ = ["half_lambert", "lambert"]
 
@@ -33,7 +33,7 @@ def lambert(
     *,
     shadows: Shadows = False,
     bounces: Bounces = 0,
-    rays: LightRays = 64,
+    rays: LightRays = USUAL_RAYS,
     exposure: Exposure = 1.0,
 ) -> Single:
     """Shade by max(0, n·l): what every viewer shows, black on the side away from the light.
@@ -59,7 +59,7 @@ def half_lambert(
     *,
     shadows: Shadows = False,
     bounces: Bounces = 0,
-    rays: LightRays = 64,
+    rays: LightRays = USUAL_RAYS,
     exposure: Exposure = 1.0,
 ) -> Single:
     """Shade by ½ + ½ n·l, the unclamped cosine: no part is lost in black.

@@ -18,10 +18,10 @@ from meshdepict.shading.features import LightCount, eyes, sight
 from meshdepict.shading.hidden_light import hidden_direct
 from meshdepict.shading.method import Exposure, exposed, method
 from meshdepict.shading.reached import (
+    USUAL_RAYS,
     Bounces,
     LightRays,
     Shadows,
-    added,
     ray_count,
     reached,
 )
@@ -54,7 +54,7 @@ def phong(
     lights: LightCount = 54,
     shadows: Shadows = False,
     bounces: Bounces = 0,
-    rays: LightRays = 64,
+    rays: LightRays = USUAL_RAYS,
     exposure: Exposure = 1.0,
 ) -> NDArray[np.float32]:
     """Shade by ambient + diffuse · n·l + specular · (r·l)^shininess, r the reflected view.
@@ -77,6 +77,4 @@ def phong(
     shaded = hidden_direct(
         space, lamps, eyes(space, eye), material, reach, environments=environments, count=lights
     )
-    if reach.around is not None:
-        shaded = added(shaded, np.float32(diffuse) * reach.around)
     return exposed(shaded + np.float32(ambient), exposure)

@@ -26,9 +26,21 @@ from meshdepict.transport.radiosity import bounced
 from meshdepict.transport.rays import AGAIN, MOST_RAYS, probed
 
 if TYPE_CHECKING:
+    from meshdepict.shading.scaled_transfer import Enhancement, ScaledTransfer
     from meshdepict.transport.transfer import Transfer
 
-__all__ = ["Bounces", "LightRays", "Reached", "Shadows", "added", "ray_count", "reached"]
+    Gathers = Transfer | ScaledTransfer
+
+__all__ = [
+    "USUAL_RAYS",
+    "Bounces",
+    "LightRays",
+    "Reached",
+    "Shadows",
+    "added",
+    "ray_count",
+    "reached",
+]
 
 Single = NDArray[np.float32]
 Shares = tuple[Single | None, ...]
@@ -41,6 +53,10 @@ LightRays = Annotated[
     int,
     Range(2, MOST_RAYS, help="of each sample, to discs, the sky and what bounces", soft=(16, 1024)),
 ]
+
+
+USUAL_RAYS = 64
+"""What `LightRays` is unless given."""
 
 
 class Reached(NamedTuple):
@@ -73,6 +89,7 @@ def reached(
     rays: int,
     albedo: float,
     shown: Callable[[NDArray[Any]], NDArray[Any]],
+    enhancement: Enhancement | None = None,
 ) -> Reached:
     """Return what samples see of lights, and what comes to them by other ways.
 
@@ -90,6 +107,8 @@ def reached(
         What matt surfaces send on.
     shown : callable
         What the method displays, in [0, 1], where so much light arrives.
+    enhancement : Enhancement, optional
+        What scales light at the vertices of the surface: then ``around`` is scaled.
 
     Raises
     ------
@@ -107,8 +126,11 @@ def reached(
             places = space.surface.recentred(space.points), space.normals_at(0)
             chosen = probed(len(space.points))
             once = _fallen(places[1], lights, seen)[chosen]
-            again = _fallen_again(space, places, chosen, lights, rays)
-            _record(space, rays, shown(once), shown(again))
+            at = places[0][chosen], places[1][chosen]
+            seen_again = tuple(
+                space.seen_share(each, rays=rays, at=at, steps=AGAIN) for each in lights
+            )
+            _record(space, rays, shown(once), shown(_fallen(at[1], lights, seen_again)))
         return Reached(seen)
 
     transfer = space.transport(rays)
@@ -116,51 +138,71 @@ def reached(
     falling = seen
     if shadows and not space.at_vertices:
         falling = tuple(space.seen_share(light, rays=rays, at=at) for light in lights)
-    direct = _fallen(transfer.normals, lights, falling)
-    start = _with_sky(direct, transfer, environments)
-    arriving, sent = bounced(transfer, start, albedo=albedo, bounces=bounces)
+    first: Gathers = transfer  # for what is shown
+    inner: Gathers = transfer  # for what is sent on
+    inside: Enhancement | None = None
+    if enhancement is not None:
+        from meshdepict.shading.scaled_transfer import ScaledTransfer
+
+        first = ScaledTransfer(transfer, enhancement, transfer.points)
+        if enhancement.everywhere:
+            inner, inside = first, enhancement
+    around = _sky(first, environments)
+    sent: Single | None = None
+    if bounces:
+        start = added(_fallen(at[1], lights, falling, inside), _sky(inner, environments))
+        _, sent = bounced(inner, start, albedo=albedo, bounces=bounces)
+        around = added(around, first.from_surface(sent))
     if probes := transfer.probes:
         chosen = probes.chosen
-        again = _fallen_again(space, at, chosen, lights, rays) if soft else direct[chosen]
-        again = _with_sky(again, probes.transfer, environments)
-        if bounces:
-            again = again + probes.transfer.from_surface(sent)
-        _record(space, rays, shown(arriving[chosen]), shown(again))
-    around = arriving - (direct if direct.ndim == arriving.ndim else direct[:, None])
+        own = None if enhancement is None else enhancement.at(chosen)
+        second: Gathers = probes.transfer
+        if own is not None:
+            second = ScaledTransfer(probes.transfer, own, transfer.points)
+        places = transfer.points[chosen], transfer.normals[chosen]
+        known: Shares = tuple(share if share is None else share[chosen] for share in falling)
+        others: Shares = known
+        if soft:
+            others = tuple(
+                space.seen_share(each, rays=rays, at=places, steps=AGAIN) for each in lights
+            )
+        again = _sky(second, environments)
+        if sent is not None:
+            again = added(again, second.from_surface(sent))
+        _record(
+            space, rays,
+            shown(added(_fallen(places[1], lights, known, own), around[chosen])),
+            shown(added(_fallen(places[1], lights, others, own), again)),
+        )  # fmt: skip
     return Reached(seen, space.of_vertices(around).astype(np.float32))
 
 
-def _fallen_again(
-    space: ScaleSpace,
-    places: tuple[NDArray[Any], NDArray[Any]],
-    chosen: NDArray[np.int64],
+def _fallen(
+    normals: NDArray[Any],
     lights: Sequence[Light],
-    rays: int,
+    seen: Shares,
+    enhancement: Enhancement | None = None,
 ) -> Single:
-    """Return `_fallen` at some places with shadows of an independent set of rays."""
-    at = places[0][chosen], places[1][chosen]
-    seen = tuple(space.seen_share(light, rays=rays, at=at, steps=AGAIN) for light in lights)
-    return _fallen(at[1], lights, seen)
-
-
-def _fallen(normals: NDArray[Any], lights: Sequence[Light], seen: Shares) -> Single:
-    """Return Σ L ⟨n·l⟩ V of the lights, (n,) where none is coloured, else (n, 3)."""
+    """Return Σ L ⟨n·l⟩ V of the lights, scaled, (n,) where none is coloured, else (n, 3)."""
     colors = np.array([light.color for light in lights], np.float32).reshape(-1, 3)
     gray = bool((colors == colors[:, :1]).all())
     total = np.zeros((len(normals), 1 if gray else 3), np.float32)
     for light, color, share in zip(lights, colors, seen, strict=True):
         falls = np.maximum(cosines(normals, light.direction), 0).astype(np.float32)
+        if enhancement is not None:
+            falls = falls * enhancement.factor(falls)
         falls = falls if share is None else falls * share
         total += falls[:, None] * color[: total.shape[1]]
     return total[:, 0] if gray else total
 
 
-def _with_sky(light: Single, transfer: Transfer, environments: Sequence[Environment]) -> Single:
-    """Add what comes from environments; in colour where one of them has any."""
+def _sky(transfer: Gathers, environments: Sequence[Environment]) -> Single:
+    """Return what comes from environments; in colour where one of them has any."""
+    total = np.zeros(len(transfer), np.float32)
     for environment in environments:
         sky = transfer.from_sky(environment)
-        light = added(light, sky[:, 0] if environment.gray else sky)
-    return light
+        total = added(total, sky[:, 0] if environment.gray else sky)
+    return total
 
 
 def added(one: Single, other: Single) -> Single:

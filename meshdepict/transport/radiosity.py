@@ -2,21 +2,27 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
-
-if TYPE_CHECKING:
-    from meshdepict.transport.transfer import Transfer
 
 __all__ = ["bounced"]
 
 Single = NDArray[np.float32]
 
+_BRIGHTEST = np.float32(1e30)  # that is counted: what sends on more than it gets grows with bounces
+
+
+class Gathers(Protocol):
+    """What takes light from a surface to samples: a `Transfer`, or what scales its rays."""
+
+    def from_surface(self, values: NDArray[Any], /) -> Single:
+        """Return what arrives of what each vertex sends."""
+
 
 def bounced(
-    transfer: Transfer,
+    transfer: Gathers,
     light: NDArray[Any],
     *,
     albedo: float | NDArray[Any],
@@ -29,7 +35,7 @@ def bounced(
 
     Parameters
     ----------
-    transfer : Transfer
+    transfer : Gathers
         T.
     light : (n,) or (n, c) array
         E_0 in units of irradiance over π: a light of 1 along the normal gives 1.
@@ -53,5 +59,5 @@ def bounced(
     for bounce in range(bounces):
         if bounce:
             sent = own + reflected * arriving
-        arriving = start + transfer.from_surface(sent)
+        arriving = np.minimum(start + transfer.from_surface(sent), _BRIGHTEST)
     return arriving, sent

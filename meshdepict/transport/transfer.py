@@ -100,7 +100,7 @@ class Transfer:
             a.nbytes for a in (self.hits, self.triangle, self.weights, self.misses, self.sky)
         )
 
-    def from_surface(self, values: NDArray[Any]) -> Single:
+    def from_surface(self, values: NDArray[Any], /) -> Single:
         """Return T B: what arrives of light that the surface sends, values (v,) or (v, c)."""
         columns = np.ascontiguousarray(values.reshape(len(values), -1), np.float32)
         out = np.empty((len(self), columns.shape[1]), np.float32)

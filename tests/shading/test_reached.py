@@ -147,7 +147,7 @@ def test_on_a_convex_object_light_is_what_it_was(sphere, method):
     space = md.scale_space(sphere, scales=1)
     plain = METHODS[method](space, SIDE)
     # Rays along the horizon graze the facets next to their vertex.
-    hidden = METHODS[method](space, SIDE, shadows=True, bounces=3)
+    hidden = METHODS[method](space, SIDE, shadows=True, bounces=3, rays=64)
     assert np.abs(hidden - plain).max() < 0.01
 
 

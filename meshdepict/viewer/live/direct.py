@@ -197,6 +197,6 @@ RADIANCE_SCALING = LiveMethod(
     key=_frames_key,
     uniforms=_scaling_uniforms,
     defines=_scaling_defines,
-    only={"illumination": ("lights",)},
+    only={"illumination": ("lights",), **UNHIDDEN},
     several=True,
 )
