@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 import meshdepict as md
@@ -16,7 +17,7 @@ SEVERAL = ("light_warping",)  # shown with eight lights
 def lit(method: str, step: int, view: md.View) -> Any:
     """Return a light that goes once round in about 40 frames, and as many as the method wants."""
     lamp = md.Light(md.scene.as_light((9.0 * step, 40.0), view).direction)
-    return lamp.spread(60, count=8) if method in SEVERAL else lamp
+    return replace(lamp, spread=60).disc(8) if method in SEVERAL else lamp
 
 
 class NewLight:

@@ -16,6 +16,7 @@ import inspect
 import platform
 import sys
 import warnings
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -99,7 +100,7 @@ class Case(NamedTuple):
 def light(method: str, buffer: GBuffer) -> Any:
     """Return one light; for Light Warping, which draws hard edges under one, a wide one."""
     lamp = as_light("northwest", buffer.view)
-    return lamp.spread(40, count=32) if method == "light_warping" else lamp
+    return replace(lamp, spread=40).disc(32) if method == "light_warping" else lamp
 
 
 def seen_by_view(method: str) -> bool:

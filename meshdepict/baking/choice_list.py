@@ -121,9 +121,10 @@ class ChoiceList:
     method: str = _choice("exaggerated", "How to shade: meshdepict methods lists what there is.")
     light: LightsLike | None = _choice(
         None,
-        "A name (north, northeast, … northwest, front), azimuth,elevation in degrees, x,y,z; where "
-        "a method takes several also studio, key-and-fill, a panorama.hdr, or some parted by "
-        "semicolons. [default: what the method asks for, mostly northwest]",
+        "A name (north, northeast, … northwest, front), azimuth,elevation in degrees, x,y,z; with "
+        ":20 a disc of that half-angle, whose shadows are soft; where a method takes several also "
+        "studio, key-and-fill, a panorama.hdr, or some parted by semicolons. [default: what the "
+        "method asks for, mostly northwest]",
     )
     sampling: Literal["lobes", "lights"] = _choice(
         "lobes",

@@ -44,6 +44,7 @@ def describe(look: Choices, space: ScaleSpace, *, light: Lighting) -> dict[str, 
         ),
         "scales": _scales(space),
         **({"occlusion": "; ".join(occlusion)} if occlusion else {}),
+        **_sampled_light(look, space),
         **_sharp(space.shape),
         **_raised(space.shape),
         "light": str(light),
@@ -102,6 +103,14 @@ def _sharp(shape: Shape) -> dict[str, str]:
     if shape.chosen_normals == "file":
         return {"normals": f"the file's, {shape.added} vertices added"}
     return {"creases": f"{shape.creases:g} degrees, {shape.added} vertices added"}
+
+
+def _sampled_light(look: Choices, space: ScaleSpace) -> dict[str, str]:
+    """Return how sure light is that was sampled by rays, of the look's own number."""
+    known = options_of(look.function)
+    rays = look.options.get("rays", known["rays"].default if "rays" in known else 0)
+    error = space.light_errors.get(rays)
+    return {} if error is None else {"light error": f"{error:.2g} grey levels"}
 
 
 def _raised(shape: Shape) -> dict[str, str]:

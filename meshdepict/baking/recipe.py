@@ -150,7 +150,7 @@ def save_recipe(
         fields["ratio"] = look.ratio or declared.ratio
         fields["light"] = look.lit_by
     if isinstance(look.light, Light):
-        fields["light"] = look.light.direction.tolist()
+        fields["light"] = _light(look.light)
     elif isinstance(look.light, Rig):
         fields["light"] = look.light.words()
     if isinstance(look.view, View) and look.view.name in VIEWS:
@@ -172,6 +172,12 @@ def save_recipe(
         )
     with atomic_write(path) as stream:
         stream.write(text.encode())
+
+
+def _light(light: Light) -> list[float] | str:
+    """Return what makes a light again: its direction, and the spread of a disc."""
+    direction = light.direction.tolist()
+    return f"{','.join(map(repr, direction))}:{light.spread!r}" if light.spread else direction
 
 
 def _layers(look: Choices) -> list[dict[str, Any]]:

@@ -327,7 +327,9 @@ def _around(look: Choices, reads: Reads) -> float:
     """Return how many cells around one a method looks at, beside what its widths take in."""
     if reads.around is not None:
         return reads.around
-    averages = bool(reads.means) and not reads.rays  # which look as far as their widths
+    if reads.rays:
+        return np.inf
+    averages = bool(reads.means)  # which look as far as their widths
     return 0.0 if look.declared.local or averages else np.inf
 
 

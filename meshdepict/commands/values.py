@@ -19,6 +19,9 @@ def as_light(text: str) -> LightsLike:
 
 
 def _one_light(text: str) -> LightLike:
+    _, colon, spread = text.rpartition(":")
+    if colon and _is_number(spread):  # a disc, which names and angles are resolved with
+        return text
     azimuth, slash, elevation = text.partition("/")
     if slash and _is_number(azimuth) and _is_number(elevation):  # as on maps: 315/45
         return float(azimuth), float(elevation)

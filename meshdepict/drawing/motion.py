@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -60,7 +61,7 @@ def turned_light(light: Lighting, view: View, angle: float) -> Light | Lights:
 
 
 def _gone_round(light: Light, view: View, angle: float) -> Light:
-    return Light(rotation(view.up, angle) @ light.direction, light.name, light.color)
+    return replace(light, direction=rotation(view.up, angle) @ light.direction)
 
 
 def circling(light: Lighting, view: View, angle: float) -> Light | Rig:
@@ -84,4 +85,4 @@ def circling(light: Lighting, view: View, angle: float) -> Light | Rig:
             "northwest"
         )
     direction = rotation(axis, -angle) @ light.direction
-    return Light(direction, f"{light.name} turned by {angle:g}".lstrip(), light.color)
+    return replace(light, direction=direction, name=f"{light.name} turned by {angle:g}".lstrip())

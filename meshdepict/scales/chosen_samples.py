@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from meshdepict.curvature.principal import PrincipalCurvatures
     from meshdepict.shapes.height_field import HeightField
     from meshdepict.shapes.mesh import Mesh
+    from meshdepict.transport.transfer import Transfer
 
 __all__ = ["ChosenSamples"]
 
@@ -74,6 +75,15 @@ class ChosenSamples(ScaleSpace):
     def occlusion(self, rays: int = 256) -> NDArray[np.float32]:
         """Return the share of the light that reaches each sample."""
         return self._whole.occlusion(rays)[self._chosen]
+
+    @property
+    def vertex_space(self) -> ScaleSpace:
+        """That of the whole."""
+        return self._whole.vertex_space
+
+    def transport(self, rays: int = 64) -> Transfer:
+        """Return where the rays of the whole go."""
+        return self._whole.transport(rays)
 
     def _smoother(self) -> Fill:
         def fill(

@@ -40,6 +40,7 @@ class HeightSpace(ScaleSpace):
     """Samples at the cells of a height field."""
 
     shape: HeightField
+    at_vertices = True
     _means_of_smoothing = ("_block",)
 
     def __init__(

@@ -20,6 +20,7 @@ from meshdepict.scales.space import ScaleSpace
 if TYPE_CHECKING:
     from meshdepict.shapes.mesh import Mesh
     from meshdepict.transport.occlusion import Openness
+    from meshdepict.transport.transfer import Transfer
 
 __all__ = ["InterpolatedSpace"]
 
@@ -76,6 +77,15 @@ class InterpolatedSpace(ScaleSpace):
     def of_vertices(self, values: NDArray[Any]) -> NDArray[Any]:
         """Interpolate values of the vertices."""
         return self._spread(self.source.of_vertices(values))
+
+    @property
+    def vertex_space(self) -> ScaleSpace:
+        """That of the source."""
+        return self.source.vertex_space
+
+    def transport(self, rays: int = 64) -> Transfer:
+        """Return where the rays from the vertices go."""
+        return self.source.transport(rays)
 
     def _smoother(self) -> Fill:
         def fill(

@@ -33,6 +33,7 @@ class MeshSpace(ScaleSpace):
     """Samples at the vertices of a mesh."""
 
     shape: Mesh
+    at_vertices = True
 
     def __init__(
         self,

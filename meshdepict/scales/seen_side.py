@@ -51,6 +51,8 @@ class SeenSide(ScaleSpace):
             source.shape, source.points, source.widths, source.ratio, self._to_eye(0),
             facing=source.facing, tolerance=source.tolerance,
         )  # fmt: skip
+        self.at_vertices = source.at_vertices
+        self.light_errors = source.light_errors
 
     def typical(self) -> ScaleSpace:
         """Return the samples of the whole."""

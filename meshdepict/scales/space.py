@@ -19,9 +19,12 @@ from meshdepict.shapes.table import html_table
 if TYPE_CHECKING:
     from meshdepict.curvature.principal import PrincipalCurvatures
     from meshdepict.curvature.view import ViewCurvature
+    from meshdepict.scene.light import Light
     from meshdepict.scene.shape import Shape
     from meshdepict.scene.view import View
     from meshdepict.transport.occlusion import Openness
+    from meshdepict.transport.rays import Steps
+    from meshdepict.transport.transfer import Transfer
 
 __all__ = ["ScaleSpace"]
 
@@ -52,7 +55,14 @@ class ScaleSpace(ReliefSamples):
         Unit normals, fine to coarse.
     facing, tolerance
         What the sums were made with; see `scale_space`.
+    at_vertices : bool
+        Whether the samples are the vertices of the surface, in their order.
+    light_errors : {int: float}
+        By the number of rays, root mean square error in grey levels of the last light that was
+        sampled: discs, the sky and bounces.
     """
+
+    at_vertices = False
 
     def __init__(
         self,
@@ -76,6 +86,8 @@ class ScaleSpace(ReliefSamples):
         self._creases: dict[int, NDArray[np.float32]] = {}
         self._seen: dict[tuple[int, float], tuple[tuple[Any, ...], ViewCurvature]] = {}
         self._openness: dict[int, Openness] = {}
+        self._transfers: dict[int, Transfer] = {}
+        self.light_errors: dict[int, float] = {}
 
     @property
     def points(self) -> NDArray[np.float64]:
@@ -151,6 +163,76 @@ class ScaleSpace(ReliefSamples):
     def occlusion_errors(self) -> dict[int, float]:
         """Root mean square error of the occlusion computed so far, by the number of rays."""
         return {rays: openness.error for rays, openness in self._openness.items()}
+
+    @property
+    def vertex_space(self) -> ScaleSpace:
+        """Samples at the vertices of the surface that these lie on; themselves if they are those.
+
+        Raises
+        ------
+        MeshdepictError
+            Where there is none.
+        """
+        if self.at_vertices:
+            return self
+        kind = self.surface.kind  # what has no surface says so
+        raise MeshdepictError(
+            f"how light is scaled where it bounces is known at the vertices of a {kind}, which the "
+            f"samples of this {self.shape.kind} are not: shade the mesh itself, or set bounces=0"
+        )
+
+    def transport(self, rays: int = 64) -> Transfer:
+        """Return where rays from the vertices of the surface go; traced once.
+
+        With `bounced` it tells any light that goes from surface to surface.
+
+        Raises
+        ------
+        MeshdepictError
+            For a number of rays beyond 2 … 65536, and for samples that are no part of a surface.
+        """
+        if rays not in self._transfers:
+            from meshdepict.transport.transfer import traced_transfer
+
+            surface = self.surface
+            normals = self.normals_at(0) if self.at_vertices else surface.normals
+            self._transfers[rays] = traced_transfer(surface, normals=normals, rays=rays)
+        return self._transfers[rays]
+
+    def seen_share(
+        self,
+        light: Light,
+        *,
+        rays: int = 64,
+        at: tuple[NDArray[Any], NDArray[Any]] | None = None,
+        steps: Steps | None = None,
+    ) -> NDArray[np.float32]:
+        """Return which share (n,) of a light reaches each sample; see `transport.shadows`.
+
+        Parameters
+        ----------
+        light : Light
+        rays : int
+            How many directions stand for its disc, if it is one.
+        at : two (k, 3) arrays, optional
+            Positions in the surface's unit frame and normals, in place of the samples'.
+        steps : array, optional
+            Which set of directions; see `transport.rays`.
+
+        Raises
+        ------
+        MeshdepictError
+            As for `transport`.
+        """
+        from meshdepict.transport.rays import FIRST
+        from meshdepict.transport.shadows import seen_share
+
+        surface = self.surface
+        places = (surface.recentred(self.points), self.normals_at(0)) if at is None else at
+        return seen_share(
+            surface, light.direction, at=places, spread=light.spread, rays=rays,
+            steps=FIRST if steps is None else steps,
+        )  # fmt: skip
 
     def typical(self) -> ScaleSpace:
         """Return samples from which numbers that follow the shape are found: all, mostly.

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from meshdepict.errors import MeshdepictError
 from meshdepict.options import real
@@ -17,7 +18,7 @@ __all__ = ["Light", "Lights"]
 
 @dataclass(frozen=True, eq=False)
 class Light:
-    """A directional light.
+    """A directional light, or a disc of the sky.
 
     Parameters
     ----------
@@ -27,38 +28,49 @@ class Light:
         What a caption calls it.
     color : (3,) array_like
         Linear RGB: what a white Lambertian surface facing the light shows (its irradiance / π).
+    spread : float
+        Half-angle of a disc about the direction in degrees, 0 … 180: its shadows are soft. What
+        casts none is lit from its middle; `disc` gives lights that stand for it.
     """
 
     direction: Any
     name: str = ""
     color: Any = (1.0, 1.0, 1.0)
+    spread: float = 0.0
 
     def __post_init__(self) -> None:
         """Check everything, and normalise the direction."""
+        angle = real(self.spread)
+        if angle is None or not 0 <= angle <= 180:
+            raise MeshdepictError(
+                f"a light's spread is half the opening of its disc, from 0 to 180 degrees, not "
+                f"{self.spread!r}"
+            )
+        object.__setattr__(self, "spread", float(angle))
         object.__setattr__(self, "direction", unit(self.direction, "a light's direction"))
         color = numbers_of(self.color)
         if color.shape != (3,) or (color < 0).any():
             raise MeshdepictError(f"a light's color must be three numbers ≥ 0, not {self.color!r}")
         object.__setattr__(self, "color", color)
 
-    def spread(self, radius: float, *, count: int = 16) -> list[Light]:
-        """Return an area light as samples: a disc of the sky about the direction.
+    def turned(self, turn: NDArray[np.float64]) -> Light:
+        """Return the light turned by a rotation (3, 3); its name, which says where, is gone."""
+        return Light(turn @ self.direction, "", self.color, self.spread)
 
-        Parameters
-        ----------
-        radius : float
-            Angular, in degrees, 0 … 180.
-        count : int
-            Lights, which share the colour evenly.
+    def disc(self, count: int = 16) -> list[Light]:
+        """Return so many lights that stand for the disc, and share its colour evenly.
+
+        Raises
+        ------
+        MeshdepictError
+            For what is no number of lights.
         """
-        number, angle = real(count), real(radius)
+        number = real(count)
         if number is None or not 1 <= number <= 1_000_000 or not number.is_integer():
             raise MeshdepictError(f"count={count!r} is not a number of lights")
-        if angle is None or not 0 <= angle <= 180:
-            raise MeshdepictError(f"radius={radius!r} is not an angle from 0° to 180°")
         # A golden spiral: even by solid angle, in any number.
         i = np.arange(count) + 0.5
-        height = 1 - (1 - math.cos(math.radians(radius))) * i / count
+        height = 1 - (1 - math.cos(math.radians(self.spread))) * i / count
         turn = math.pi * (3 - math.sqrt(5)) * i
         across = np.sqrt(np.maximum(1 - height**2, 0))
         axis = unit(np.eye(3)[np.argmin(np.abs(self.direction))], "an axis")
@@ -69,12 +81,14 @@ class Light:
         return [Light(sample, self.name, self.color / count) for sample in samples]
 
     def __str__(self) -> str:
-        """Return the name and the direction."""
+        """Return the name and the direction, and what is not as usual."""
         numbers = " ".join(f"{x:.6g}" for x in self.direction)
         tint = (
             "" if (self.color == 1).all() else f" color {' '.join(f'{x:.6g}' for x in self.color)}"
         )
-        return (f"{self.name} ({numbers})" if self.name else f"({numbers})") + tint
+        disc = f" spread {self.spread:g}" if self.spread else ""
+        place = f"{self.name}{disc} ({numbers})" if self.name else f"({numbers}){disc}"
+        return place + tint
 
 
 class Lights(tuple[Light, ...]):

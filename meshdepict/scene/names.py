@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection, Sequence
+from dataclasses import replace
 from typing import TypeAlias, TypeGuard
 
 import numpy as np
@@ -47,7 +48,9 @@ def as_light(light: LightsLike, view: View | None = None) -> Light:
     Parameters
     ----------
     light : str, (3,) array_like, (azimuth, elevation) or Light
-        Azimuth in degrees clockwise from up, elevation in degrees from the image plane.
+        Azimuth in degrees clockwise from up, elevation in degrees from the image plane. A text that
+        ends in a colon and a number, "northwest:20" or "315/45:20", is a disc of such a half-angle
+        in degrees.
     view : View, optional
         Whose frame names and angles refer to; the front (x right, y up, z to the eye) if None.
 
@@ -60,6 +63,9 @@ def as_light(light: LightsLike, view: View | None = None) -> Light:
         return light
     frame = np.eye(3) if view is None else view.frame
     if isinstance(light, str):
+        middle, colon, spread = light.rpartition(":")
+        if colon and _numbers(spread):
+            return _disc(middle, _numbers(spread)[0], view)
         if light == "front":
             return Light(frame[2], light)
         if light in RIGS:
@@ -82,6 +88,24 @@ def as_light(light: LightsLike, view: View | None = None) -> Light:
     raise MeshdepictError(
         f"light={light!r} is neither a name, nor a direction (x, y, z), nor (azimuth, elevation)"
     )
+
+
+def _disc(middle: str, spread: float, view: View | None) -> Light:
+    """Return the disc about a light that is given by its name, its angles or its direction."""
+    if middle in RIGS:
+        raise MeshdepictError(
+            f"the lights of {middle} have spreads of their own: leave :{spread:g} out"
+        )
+    found = as_light(_numbers(middle.replace("/", ",")) or middle, view)
+    return replace(found, spread=spread)
+
+
+def _numbers(text: str) -> tuple[float, ...]:
+    """Return the numbers of a text with commas; none where it is something else."""
+    try:
+        return tuple(float(part) for part in text.split(","))
+    except ValueError:
+        return ()
 
 
 def _from_angles(azimuth: float, elevation: float) -> Vector:

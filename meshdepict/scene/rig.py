@@ -65,7 +65,7 @@ class Rig(Lights):
         lights = (
             light
             for direction, radius, count, bright in _LAMPS[name]
-            for light in Light(direction, color=np.full(3, bright)).spread(radius, count=count)
+            for light in Light(direction, color=np.full(3, bright), spread=radius).disc(count)
         )
         rig = super().__new__(
             cls, (Light(light.direction @ axes, name, light.color) for light in lights)

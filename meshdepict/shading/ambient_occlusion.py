@@ -13,7 +13,7 @@ from meshdepict.options import Range
 from meshdepict.scales.reads import Reads
 from meshdepict.scales.space import ScaleSpace
 from meshdepict.shading.method import Exposure, exposed, method
-from meshdepict.transport.occlusion import MOST_RAYS
+from meshdepict.transport.rays import MOST_RAYS
 
 __all__ = ["Rays", "ambient_occlusion"]
 

@@ -217,7 +217,7 @@ def _integral(
     spacing = math.sqrt(4 * math.pi / count)
     flux, _ = environment.reduced(max(4, math.ceil(math.pi / spacing)))
     radiance = np.ascontiguousarray(flux[..., :3] / flux[..., 3:])
-    directions = [light.direction for light in Light((0, 1, 0)).spread(180, count=count)]
+    directions = [light.direction for light in Light((0, 1, 0), spread=180).disc(count)]
     weights = np.full((count, 3), 4 / count, np.float32)  # 4π/count, and the 1/π of all terms
     kind, parameters = kernel_parameters(material)
 

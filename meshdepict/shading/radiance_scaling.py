@@ -7,6 +7,8 @@ from typing import Annotated, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from meshdepict.color.srgb import linear_to_srgb
+from meshdepict.errors import MeshdepictError
 from meshdepict.options import Choice, Range
 from meshdepict.scales.reads import Reads
 from meshdepict.scales.space import ScaleSpace
@@ -20,7 +22,7 @@ from meshdepict.scene.material import (
 )
 from meshdepict.scene.names import LightsLike, parted
 from meshdepict.scene.view import View
-from meshdepict.shading.direct import direct, quantised
+from meshdepict.shading.direct import quantised
 from meshdepict.shading.features import (
     Bins,
     CurvatureKind,
@@ -33,10 +35,14 @@ from meshdepict.shading.features import (
     Scale,
     Scaling,
     bends,
+    convexity,
     curved,
     eyes,
 )
+from meshdepict.shading.hidden_light import hidden_direct, matt, refuse_unhidden
 from meshdepict.shading.method import Exposure, exposed, method
+from meshdepict.shading.reached import USUAL_RAYS, Bounces, Reached, Shadows, ray_count, reached
+from meshdepict.shading.scaled_transfer import Enhancement
 from meshdepict.shading.scaling_equation import LEAST_INVARIANT, scaling
 from meshdepict.shading.surroundings import (
     as_environment,
@@ -59,13 +65,16 @@ def _reads(
     scale: int,
     gain: float | None,
     illumination: str,
+    shadows: bool,
+    bounces: int,
     rays: int,
     **options: Any,
 ) -> Reads:
     """Return the shape's own normals, with what scales light, and rays if they are wanted."""
     shown = as_material(material)
     lit = not isinstance(shown, (LitSphere, Mirror, Refractive))
-    gathered = {"occlusion": rays or 256, "irradiance": rays}.get(illumination, 0)
+    hidden = ray_count(shadows=shadows, bounces=bounces, rays=rays or USUAL_RAYS)
+    gathered = {"occlusion": rays or 256, "irradiance": rays}.get(illumination, hidden)
     own = Reads(normals=frozenset((0,)), rays=gathered if lit else 0)
     return own | bends(scale, curvature) if _bends(shown, gain, **options) else own
 
@@ -128,8 +137,23 @@ def radiance_scaling(
         ),
     ] = "lights",
     lights: LightCount = 54,
+    shadows: Shadows = False,
+    bounces: Bounces = 0,
+    enhance: Annotated[
+        str,
+        Choice(
+            ("first", "all"),
+            help="light that bounced: scaled where the eye sees it, or at every bounce",
+        ),
+    ] = "first",
     rays: Annotated[
-        int, Range(0, 65536, help="of ambient occlusion, for precomputed light", soft=(0, 256))
+        int,
+        Range(
+            0,
+            65536,
+            help="of each sample: for precomputed light, to discs, the sky and what bounces",
+            soft=(0, 256),
+        ),
     ] = 0,
     shininess: Parameter = None,
     roughness: Parameter = None,
@@ -172,8 +196,16 @@ def radiance_scaling(
     illumination : {"lights", "irradiance", "occlusion"}
         "irradiance": albedo/π · A · irradiance of an Environment with δ its share of the largest
         (fig. 8a). "occlusion": A alone, which is δ too (fig. 8b).
+    shadows, bounces : bool, int
+        With light by light alone. Light that comes by rays, from the sky and by bounces, is scaled
+        ray by ray, δ = n·d, by κ without its anisotropy; the ambient term neither is hidden nor
+        bounces, and highlights of an environment stay where its matt light is hidden.
+    enhance : {"first", "all"}
+        "all" is the paper's fig. 11, of the surface's own curvature. Where albedo times scaling is
+        above 1 light grows from bounce to bounce: the sum of so many bounces is finite still, and
+        what is beyond 1 is cut.
     rays : int
-        For A; 0: A = 1, but for illumination="occlusion" 256.
+        For A; 0: A = 1, but for illumination="occlusion" 256, and 64 with shadows and bounces.
 
     Returns
     -------
@@ -183,8 +215,16 @@ def radiance_scaling(
     Raises
     ------
     MeshdepictError
-        For a scale that is not there, or light that does not go with the material.
+        For a scale that is not there, light that does not go with the material, and shadows or
+        bounces of what has none.
     """
+    if shadows or bounces:
+        refuse_unhidden(as_material(material), illumination)
+        if enhance == "all" and curvature != "object":
+            raise MeshdepictError(
+                f"enhance='all' is of the surface's own curvature: leave curvature={curvature!r} "
+                "out, or take enhance='first'"
+            )
     chosen, eye, frames = curved(
         space, view, material, curvature=curvature, scale=scale, gain=gain,
         foreshortening=foreshortening,
@@ -219,11 +259,33 @@ def radiance_scaling(
     else:
         alpha = float(np.clip(invariant, LEAST_INVARIANT, 1 - LEAST_INVARIANT))
         lamps, environments = parted(light, eye)
-        shaded = direct(
-            space, lamps, eyes(space, eye), chosen, environments=environments, count=lights,
+        ambient = ambient_term(chosen)
+        reach = Reached((None,) * len(lamps))
+        if shadows or bounces:
+            enhancement = None
+            if frames is not None and gamma_d and (bounces or environments):
+                vertices = space.vertex_space
+                bend = kappa
+                if vertices is not space:
+                    bend = convexity(
+                        vertices, eye, curvature=curvature, scale=scale, gain=gain,
+                        foreshortening=foreshortening,
+                    )  # fmt: skip
+                enhancement = Enhancement(bend, gamma_d, alpha, enhance == "all")
+
+            def displayed(light: Floats) -> Floats:
+                return linear_to_srgb(exposed(ambient + matt(chosen) * light, exposure))
+
+            reach = reached(
+                space, lamps, environments, shadows=shadows, bounces=bounces,
+                rays=rays or USUAL_RAYS, albedo=getattr(chosen, "diffuse", 1.0), shown=displayed,
+                enhancement=enhancement,
+            )  # fmt: skip
+        shaded = hidden_direct(
+            space, lamps, eyes(space, eye), chosen, reach, environments=environments, count=lights,
             frames=frames, warping=warping, scaling=Scaling(gamma_d, gamma_s, alpha, anisotropy),
         )  # fmt: skip
-        if ambient := ambient_term(chosen):
+        if ambient:
             everywhere = np.full(len(kappa), ambient, np.float32)
             shaded = (shaded.T + scaled(everywhere, np.float32(1), gamma_a)).T
     return exposed(quantised(shaded, chosen, exposure), exposure)

@@ -85,7 +85,7 @@ def lights_of(lighting: Lighting) -> tuple[Light, ...]:
 def _turned(lighting: Lighting, turn: NDArray[np.float64]) -> Light | Lights:
     if isinstance(lighting, Rig):
         return lighting.turned(turn)
-    lights = [Light(turn @ light.direction, color=light.color) for light in lights_of(lighting)]
+    lights = [light.turned(turn) for light in lights_of(lighting)]
     if not lights:
         raise MeshdepictError("a panorama can't be turned by hand: shade by a light instead")
     return lights[0] if isinstance(lighting, Light) else Lights(lights)

@@ -258,7 +258,11 @@ def test_saved_and_read_again_it_is_the_same(small, tmp_path, suffix):
         (["lambert"], {}, "no method is called ['lambert']"),
         ("exaggerated", {"exageration": 3}, "'exageration'; did you mean 'exaggeration'?"),
         ("exaggerated", {"exaggeration": -3}, "exaggeration=-3 is not a number in its range (0 …"),
-        ("lambert", {"exaggeration": 3}, "no option 'exaggeration' (its options: exposure)"),
+        (
+            "lambert",
+            {"exaggeration": 3},
+            "no option 'exaggeration' (its options: shadows, bounces, rays, exposure)",
+        ),
         ("lambert", {"colormap": "seppia"}, "no colour map 'seppia'; did you mean 'sepia'?"),
         ("lambert", {"albedo": "mine"}, "albedo='mine' is neither 'keep' nor 'none'"),
         ("lambert", {"light": "norht"}, "no light is called 'norht'; did you mean 'north'?"),

@@ -52,6 +52,10 @@ def test_lights_become_numbers(folder):
     assert load_recipe("look.toml")["light"] == tuple(light.direction)
     save_recipe("look.toml", {"light": np.array([0.0, 0.0, 1.0])})
     assert load_recipe("look.toml")["light"] == (0.0, 0.0, 1.0)
+    disc = md.Light((1, 2, 3), "lamp", spread=12.5)
+    save_recipe("look.toml", {"light": disc})
+    again = md.scene.as_light(load_recipe("look.toml")["light"])
+    assert (tuple(again.direction), again.spread) == (tuple(disc.direction), 12.5)
 
 
 def test_texts_of_any_letters_are_kept(folder):

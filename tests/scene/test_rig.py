@@ -82,7 +82,7 @@ def test_light_warping_under_the_studio_is_as_smooth_as_under_many_lights():
     crowd = [
         one
         for direction, radius, count, bright in lamps
-        for one in Light(direction, color=np.full(3, bright)).spread(radius, count=count)
+        for one in Light(direction, color=np.full(3, bright), spread=radius).disc(count)
     ]
     many = linear_to_srgb(shading.light_warping(space, crowd))
     assert np.sqrt(np.mean((few - many) ** 2)) < 2 / 255

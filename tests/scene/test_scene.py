@@ -105,6 +105,22 @@ def test_a_light_is_not_changed_with_the_array_that_it_was_made_of():
         light.direction[0] = 1
 
 
+@pytest.mark.parametrize(
+    ("text", "middle"),
+    [("northwest:20", "northwest"), ("315/45:20", (315, 45)), ("315,45:20", (315, 45)),
+     ("1,-2,3:20", (1, -2, 3)), ("front:20", "front")],
+)  # fmt: skip
+def test_a_disc_is_a_light_with_a_colon_and_its_half_angle(text, middle, rng):
+    view = View((3, 1, 2), (0, 0, 0), (0, 1, 0), parallel_scale=1)
+    for eye in (None, view):
+        disc, light = as_light(text, eye), as_light(middle, eye)
+        np.testing.assert_array_equal(disc.direction, light.direction)
+        assert (disc.spread, light.spread, disc.name) == (20, 0, light.name)
+        turn = rotation(rng)
+        np.testing.assert_allclose(disc.turned(turn).direction, turn @ light.direction)
+        assert disc.turned(turn).spread == 20
+
+
 def test_lights_can_be_compared_and_collected():
     light, other = Light((0, 0, 1)), Light((0, 1, 0))
     assert light != other
@@ -117,6 +133,8 @@ def test_lights_can_be_compared_and_collected():
         ("northwest", "northwest (-0.57735 0.57735 0.57735)"),
         ((0, 0, 3), "(0 0 1)"),
         ((45, 0), "azimuth 45 elevation 0 (0.707107 0.707107 0)"),
+        ("northwest:20", "northwest spread 20 (-0.57735 0.57735 0.57735)"),
+        ("0,0,3:2.5", "(0 0 1) spread 2.5"),
     ],
 )
 def test_a_light_in_words(light, text):
@@ -127,6 +145,11 @@ def test_a_light_in_words(light, text):
     ("light", "sentence"),
     [
         ("northwst", "no light is called 'northwst'; did you mean 'northwest'"),
+        ("northwst:20", "no light is called 'northwst'; did you mean 'northwest'"),
+        ("northwest:wide", "no light is called 'northwest:wide'"),
+        ("northwest:181", "half the opening of its disc, from 0 to 180 degrees, not 181"),
+        ("northwest:nan", "half the opening of its disc"),
+        ("studio:20", "the lights of studio have spreads of their own: leave :20 out"),
         ("", "no light is called ''"),
         ((0, 0, 0), "must be three finite numbers, not all zero"),
         ((0, 0, np.nan), "neither a name, nor a direction"),

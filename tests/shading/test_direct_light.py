@@ -181,7 +181,7 @@ def test_importance_chooses_the_scale(space):
 
 
 def test_spread_lights_are_even_and_several_kinds_are_told_apart():
-    disc = Light((1, 2, 3), color=(2, 1, 0.5)).spread(30, count=100)
+    disc = Light((1, 2, 3), color=(2, 1, 0.5), spread=30).disc(100)
     np.testing.assert_allclose(sum(light.color for light in disc), (2, 1, 0.5))
     axis = np.array([1, 2, 3]) / np.sqrt(14)
     cosine = [light.direction @ axis for light in disc]
@@ -198,11 +198,11 @@ def test_spread_lights_are_even_and_several_kinds_are_told_apart():
 
 def test_light_refusals():
     for wrong in (-1, 181, np.nan):
-        with pytest.raises(MeshdepictError, match="not an angle from 0° to 180°"):
-            Light((0, 0, 1)).spread(wrong)
+        with pytest.raises(MeshdepictError, match="half the opening of its disc"):
+            Light((0, 0, 1), spread=wrong)
     for wrong in (0, 1.5, True):
         with pytest.raises(MeshdepictError, match="not a number of lights"):
-            Light((0, 0, 1)).spread(10, count=wrong)
+            Light((0, 0, 1), spread=10).disc(wrong)
     for color in ((1, 2), (1, -1, 0), "red"):
         with pytest.raises(MeshdepictError, match="color must be three numbers"):
             Light((0, 0, 1), color=color)

@@ -130,7 +130,7 @@ def test_finite_at_extremes_and_special_lights(space, material, curvature, magni
 
 
 def test_turning_a_light_moves_colours_within_the_bound(space):
-    disc = Light((0.3, 0.5, 0.8)).spread(40, count=54)
+    disc = Light((0.3, 0.5, 0.8), spread=40).disc(54)
     angle = np.radians(0.1)
     turn = np.array(
         [[np.cos(angle), np.sin(angle), 0], [-np.sin(angle), np.cos(angle), 0], [0, 0, 1]]

@@ -9,6 +9,7 @@ from meshdepict import threads
 from meshdepict.errors import MeshdepictError
 from meshdepict.transport import occlusion
 from meshdepict.transport.occlusion import ambient_openness, sky_openness
+from meshdepict.transport.rays import MOST_RAYS
 
 UP = np.array([0.0, 0.0, 1.0])
 
@@ -134,7 +135,7 @@ def test_degenerate_meshes_have_finite_values():
             assert np.isfinite(error)
 
 
-@pytest.mark.parametrize("rays", [1, 0, -5, 2.5, True, occlusion.MOST_RAYS + 1])
+@pytest.mark.parametrize("rays", [1, 0, -5, 2.5, True, MOST_RAYS + 1])
 def test_wrong_numbers_of_rays_are_refused(ball, rays):
     with pytest.raises(MeshdepictError, match="is not a whole number from 2 to 65536"):
         ambient_openness(ball, rays=rays)

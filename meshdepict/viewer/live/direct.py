@@ -17,7 +17,13 @@ from meshdepict.shading import light_warping, phong, radiance_scaling
 from meshdepict.shading.features import DEFAULT_GAIN, features
 from meshdepict.shading.method import declaration
 from meshdepict.shading.radiance_scaling import LEAST_INVARIANT
-from meshdepict.viewer.live.live_method import Attributes, LiveMethod, Options, packed
+from meshdepict.viewer.live.live_method import (
+    UNHIDDEN,
+    Attributes,
+    LiveMethod,
+    Options,
+    packed,
+)
 from meshdepict.viewer.live.materials import (
     GLSL,
     live_material,
@@ -169,6 +175,7 @@ PHONG = LiveMethod(
     GLSL + _SHADE,
     uniforms=lambda space, options: material_uniforms(_phong_material(options)),
     defines=lambda options: material_defines(_phong_material(options)),
+    only=UNHIDDEN,
     several=True,
 )
 
@@ -190,6 +197,6 @@ RADIANCE_SCALING = LiveMethod(
     key=_frames_key,
     uniforms=_scaling_uniforms,
     defines=_scaling_defines,
-    only={"illumination": ("lights",)},
+    only={"illumination": ("lights",), **UNHIDDEN},
     several=True,
 )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from meshdepict.shading import lambert
 from meshdepict.shading.lambert import half_lambert
-from meshdepict.viewer.live.live_method import LiveMethod
+from meshdepict.viewer.live.live_method import UNHIDDEN, LiveMethod
 
 __all__ = ["HALF_LAMBERT", "LAMBERT"]
 
@@ -15,6 +15,7 @@ vec3 shade() {
   return vec3(max(dot(n[0], light_direction(0)), 0.0));
 }
 """,
+    only=UNHIDDEN,
 )
 
 HALF_LAMBERT = LiveMethod(
@@ -24,4 +25,5 @@ vec3 shade() {
   return vec3(0.5 + 0.5 * dot(n[0], light_direction(0)));
 }
 """,
+    only=UNHIDDEN,
 )

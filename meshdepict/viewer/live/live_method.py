@@ -16,10 +16,15 @@ from meshdepict.scene.view import View
 from meshdepict.shading.method import declaration
 from meshdepict.viewer.live.octahedral import pack_normals
 
-__all__ = ["Attributes", "LiveMethod", "Options", "Uniforms", "original_normals", "packed"]
+__all__ = [
+    "UNHIDDEN", "Attributes", "LiveMethod", "Options", "Uniforms", "original_normals", "packed",
+]  # fmt: skip
 
 Options = Mapping[str, Any]
 Attributes = dict[str, NDArray[np.float32]]
+
+UNHIDDEN = {"shadows": (False,), "bounces": (0,)}
+"""What options are live of light that rays would have to find."""
 
 
 def packed(sets: Sequence[NDArray[Any]] | NDArray[Any], *, bits: int = 16) -> Attributes:

@@ -1,0 +1,121 @@
+"""Light on a material, as much of it as samples see, and what comes to them by other ways."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from meshdepict.errors import MeshdepictError
+from meshdepict.scales.space import ScaleSpace
+from meshdepict.scene.environment import Environment
+from meshdepict.scene.light import Light
+from meshdepict.scene.material import (
+    AshikhminShirley,
+    CookTorrance,
+    HalfLambert,
+    LitSphere,
+    Material,
+    Mirror,
+    Phong,
+    Refractive,
+)
+from meshdepict.scene.vectors import cosines
+from meshdepict.shading.direct import direct
+from meshdepict.shading.reached import Reached, added
+
+__all__ = ["hidden_direct", "matt", "refuse_unhidden"]
+
+Single = NDArray[np.float32]
+
+
+def hidden_direct(
+    space: ScaleSpace,
+    lights: Sequence[Light],
+    eyes: Single,
+    material: Material,
+    reach: Reached,
+    *,
+    environments: Sequence[Environment] = (),
+    count: int = 54,
+    **settings: Any,
+) -> Single:
+    """Return what `direct` does, each light as much as it is seen, and what came around.
+
+    In the latter is the matt part of the environments: of them highlights alone are left, which
+    nothing hides.
+
+    Parameters
+    ----------
+    space, lights, eyes, material, environments, count, **settings
+        As for `direct`.
+    reach : Reached
+        Of these lights and environments.
+
+    Returns
+    -------
+    (n,) array, (n, 3) where a light is coloured
+    """
+    around = reach.around is not None
+    if not around and all(share is None for share in reach.seen):
+        return direct(
+            space, lights, eyes, material, environments=environments, count=count, **settings
+        )
+    total = np.zeros(len(space.points), np.float32)
+    for light, share in zip(lights, reach.seen, strict=True):
+        part = direct(space, [light], eyes, material, **settings)
+        if share is not None and isinstance(material, HalfLambert):
+            share = _wrapped(cosines(space.normals_at(0), light.direction), share)
+        total = added(total, part if share is None else (part.T * share).T)
+    if reach.around is not None:
+        total = added(total, np.float32(matt(material)) * reach.around)
+    if environments and (glossy := _glossy(material)) is not None:
+        part = direct(space, [], eyes, glossy, environments=environments, count=count, **settings)
+        total = added(total, part)
+    return total
+
+
+def matt(material: Material) -> float:
+    """Return the share of light that a material sends on diffusely.
+
+    A half-Lambertian one shows half of what comes to it.
+    """
+    own = float(getattr(material, "diffuse", 1.0))
+    return own / 2 if isinstance(material, HalfLambert) else own
+
+
+def refuse_unhidden(material: Material, illumination: str) -> None:
+    """Refuse shadows and bounces of what is no light.
+
+    Raises
+    ------
+    MeshdepictError
+        For materials that show surroundings or a painting, and for precomputed light.
+    """
+    if isinstance(material, (LitSphere, Mirror, Refractive)):
+        raise MeshdepictError(
+            f"{type(material).__name__} shows no lights that could cast shadows or bounce: leave "
+            "shadows and bounces out"
+        )
+    if illumination != "lights":
+        raise MeshdepictError(
+            f"illumination={illumination!r} has light from all around, with occlusion of its own: "
+            "leave shadows and bounces out"
+        )
+
+
+def _wrapped(cosine: Single, seen: Single) -> Single:
+    """Return the share of ½ + ½ n·l that is left where a shadow takes ⟨n·l⟩ (1 − V)."""
+    return np.asarray(
+        1 - np.maximum(cosine, 0) * (1 - seen) / (1 + np.maximum(cosine, 0)), np.float32
+    )
+
+
+def _glossy(material: Material) -> Material | None:
+    """Return a material without its matt part; None where that is all."""
+    if isinstance(material, (Phong, CookTorrance, AshikhminShirley)):
+        return replace(material, diffuse=0.0)
+    return None

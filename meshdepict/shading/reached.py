@@ -1,0 +1,218 @@
+"""What reaches samples: lights that cast shadows, a sky behind hills, light that bounces.
+
+Declared here once for every method with a material: `Shadows`, `Bounces` and `LightRays` are its
+options, `reached` what it asks for. With all of them off nothing is traced.
+
+Shadows hide each light by V, the share of it that a sample sees. Light bounces between matt
+surfaces: E_k = E_0 + T ρ E_{k−1}, E_0 what lights and the sky give directly, in which ρ is what the
+method's material reflects diffusely. Bounces without shadows let every light through to where it
+falls first, as without them; from there on surfaces are in each other's way as they are.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from meshdepict.options import Flag, Range
+from meshdepict.scales.space import ScaleSpace
+from meshdepict.scene.environment import Environment
+from meshdepict.scene.light import Light
+from meshdepict.scene.vectors import cosines
+from meshdepict.transport.radiosity import bounced
+from meshdepict.transport.rays import AGAIN, MOST_RAYS, probed
+
+if TYPE_CHECKING:
+    from meshdepict.shading.scaled_transfer import Enhancement, ScaledTransfer
+    from meshdepict.transport.transfer import Transfer
+
+    Gathers = Transfer | ScaledTransfer
+
+__all__ = [
+    "USUAL_RAYS",
+    "Bounces",
+    "LightRays",
+    "Reached",
+    "Shadows",
+    "added",
+    "ray_count",
+    "reached",
+]
+
+Single = NDArray[np.float32]
+Shares = tuple[Single | None, ...]
+
+Shadows = Annotated[bool, Flag(help="whether lights cast shadows")]
+Bounces = Annotated[
+    int, Range(0, 1000, help="how often light goes on from surface to surface", soft=(0, 5))
+]
+LightRays = Annotated[
+    int,
+    Range(2, MOST_RAYS, help="of each sample, to discs, the sky and what bounces", soft=(16, 1024)),
+]
+
+
+USUAL_RAYS = 64
+"""What `LightRays` is unless given."""
+
+
+class Reached(NamedTuple):
+    """What reaches samples of some lights.
+
+    Attributes
+    ----------
+    seen : tuple of (n,) arrays, or of None
+        V of every light: the share that each sample sees; None: all.
+    around : (n,) or (n, 3) array, optional
+        E_k − E_0 of the lights: from the sky and by bounces, in units of a cosine. None: nothing.
+    """
+
+    seen: Shares
+    around: Single | None = None
+
+
+def ray_count(*, shadows: bool, bounces: int, rays: int) -> int:
+    """Return how many rays of each sample a method declares under such options."""
+    return rays if bounces else int(shadows)
+
+
+def reached(
+    space: ScaleSpace,
+    lights: Sequence[Light],
+    environments: Sequence[Environment] = (),
+    *,
+    shadows: bool,
+    bounces: int,
+    rays: int,
+    albedo: float,
+    shown: Callable[[NDArray[Any]], NDArray[Any]],
+    enhancement: Enhancement | None = None,
+) -> Reached:
+    """Return what samples see of lights, and what comes to them by other ways.
+
+    Where anything is sampled, how far it is off is kept in the space's ``light_errors``.
+
+    Parameters
+    ----------
+    space : ScaleSpace
+    lights : sequence of Light
+    environments : sequence of Environment
+        Their light comes by rays that get away, and so is all of it ``around``.
+    shadows, bounces, rays
+        The options of these names.
+    albedo : float
+        What matt surfaces send on.
+    shown : callable
+        What the method displays, in [0, 1], where so much light arrives.
+    enhancement : Enhancement, optional
+        What scales light at the vertices of the surface: then ``around`` is scaled.
+
+    Raises
+    ------
+    MeshdepictError
+        For samples that are no part of a surface.
+    """
+    seen: Shares = (None,) * len(lights)
+    if not (shadows or bounces):
+        return Reached(seen)
+    if shadows:
+        seen = tuple(space.seen_share(light, rays=rays) for light in lights)
+    soft = shadows and any(light.spread for light in lights)
+    if not (bounces or environments):
+        if soft:
+            places = space.surface.recentred(space.points), space.normals_at(0)
+            chosen = probed(len(space.points))
+            once = _fallen(places[1], lights, seen)[chosen]
+            at = places[0][chosen], places[1][chosen]
+            seen_again = tuple(
+                space.seen_share(each, rays=rays, at=at, steps=AGAIN) for each in lights
+            )
+            _record(space, rays, shown(once), shown(_fallen(at[1], lights, seen_again)))
+        return Reached(seen)
+
+    transfer = space.transport(rays)
+    at = transfer.points, transfer.normals
+    falling = seen
+    if shadows and not space.at_vertices:
+        falling = tuple(space.seen_share(light, rays=rays, at=at) for light in lights)
+    first: Gathers = transfer  # for what is shown
+    inner: Gathers = transfer  # for what is sent on
+    inside: Enhancement | None = None
+    if enhancement is not None:
+        from meshdepict.shading.scaled_transfer import ScaledTransfer
+
+        first = ScaledTransfer(transfer, enhancement, transfer.points)
+        if enhancement.everywhere:
+            inner, inside = first, enhancement
+    around = _sky(first, environments)
+    sent: Single | None = None
+    if bounces:
+        start = added(_fallen(at[1], lights, falling, inside), _sky(inner, environments))
+        _, sent = bounced(inner, start, albedo=albedo, bounces=bounces)
+        around = added(around, first.from_surface(sent))
+    if probes := transfer.probes:
+        chosen = probes.chosen
+        own = None if enhancement is None else enhancement.at(chosen)
+        second: Gathers = probes.transfer
+        if own is not None:
+            second = ScaledTransfer(probes.transfer, own, transfer.points)
+        places = transfer.points[chosen], transfer.normals[chosen]
+        known: Shares = tuple(share if share is None else share[chosen] for share in falling)
+        others: Shares = known
+        if soft:
+            others = tuple(
+                space.seen_share(each, rays=rays, at=places, steps=AGAIN) for each in lights
+            )
+        again = _sky(second, environments)
+        if sent is not None:
+            again = added(again, second.from_surface(sent))
+        _record(
+            space, rays,
+            shown(added(_fallen(places[1], lights, known, own), around[chosen])),
+            shown(added(_fallen(places[1], lights, others, own), again)),
+        )  # fmt: skip
+    return Reached(seen, space.of_vertices(around).astype(np.float32))
+
+
+def _fallen(
+    normals: NDArray[Any],
+    lights: Sequence[Light],
+    seen: Shares,
+    enhancement: Enhancement | None = None,
+) -> Single:
+    """Return Σ L ⟨n·l⟩ V of the lights, scaled, (n,) where none is coloured, else (n, 3)."""
+    colors = np.array([light.color for light in lights], np.float32).reshape(-1, 3)
+    gray = bool((colors == colors[:, :1]).all())
+    total = np.zeros((len(normals), 1 if gray else 3), np.float32)
+    for light, color, share in zip(lights, colors, seen, strict=True):
+        falls = np.maximum(cosines(normals, light.direction), 0).astype(np.float32)
+        if enhancement is not None:
+            falls = falls * enhancement.factor(falls)
+        falls = falls if share is None else falls * share
+        total += falls[:, None] * color[: total.shape[1]]
+    return total[:, 0] if gray else total
+
+
+def _sky(transfer: Gathers, environments: Sequence[Environment]) -> Single:
+    """Return what comes from environments; in colour where one of them has any."""
+    total = np.zeros(len(transfer), np.float32)
+    for environment in environments:
+        sky = transfer.from_sky(environment)
+        total = added(total, sky[:, 0] if environment.gray else sky)
+    return total
+
+
+def added(one: Single, other: Single) -> Single:
+    """Return the sum of two results, in colour where either is."""
+    if one.ndim == other.ndim:
+        return one + other
+    return one + other[:, None] if one.ndim == 2 else one[:, None] + other
+
+
+def _record(space: ScaleSpace, rays: int, values: NDArray[Any], again: NDArray[Any]) -> None:
+    """Keep the error that two independent results tell, in grey levels."""
+    difference = 255 * (np.asarray(values, np.float64) - again)
+    space.light_errors[rays] = float(np.sqrt(np.mean(difference**2) / 2)) if len(values) else 0.0

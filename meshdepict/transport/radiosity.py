@@ -1,0 +1,63 @@
+"""Light that bounces between matt surfaces: B = e + ρ E, as often as asked for."""
+
+from __future__ import annotations
+
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["bounced"]
+
+Single = NDArray[np.float32]
+
+_BRIGHTEST = np.float32(1e30)  # that is counted: what sends on more than it gets grows with bounces
+
+
+class Gathers(Protocol):
+    """What takes light from a surface to samples: a `Transfer`, or what scales its rays."""
+
+    def from_surface(self, values: NDArray[Any], /) -> Single:
+        """Return what arrives of what each vertex sends."""
+
+
+def bounced(
+    transfer: Gathers,
+    light: NDArray[Any],
+    *,
+    albedo: float | NDArray[Any],
+    bounces: int,
+    emitted: float | NDArray[Any] = 0.0,
+) -> tuple[Single, Single]:
+    """Return what arrives at each sample after so many bounces, and what was on the way there.
+
+    ``E_0`` is the light that comes from outside, B_k = e + ρ E_k, and E_k = E_0 + T B_{k−1}.
+
+    Parameters
+    ----------
+    transfer : Gathers
+        T.
+    light : (n,) or (n, c) array
+        E_0 in units of irradiance over π: a light of 1 along the normal gives 1.
+    albedo : float or array that fits the light
+        ρ in [0, 1].
+    bounces : int
+        k; with 0 the light comes back as it is.
+    emitted : float or array that fits the light
+        e, what the samples themselves send.
+
+    Returns
+    -------
+    arriving : array
+        E_k.
+    sent : array
+        B_{k−1}, whose light the last bounce brought; B_0 where there was none.
+    """
+    start = np.asarray(light, np.float32)
+    reflected, own = np.asarray(albedo, np.float32), np.asarray(emitted, np.float32)
+    arriving, sent = start, own + reflected * start
+    for bounce in range(bounces):
+        if bounce:
+            sent = own + reflected * arriving
+        arriving = np.minimum(start + transfer.from_surface(sent), _BRIGHTEST)
+    return arriving, sent
