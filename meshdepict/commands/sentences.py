@@ -79,7 +79,7 @@ def _said(words: Sequence[str]) -> list[str]:
         text
         for word, after in zip(words, (*words[1:], ""), strict=True)
         for name, equals, value in [word.partition("=")]
-        if name in {"-m", "--method"}
+        if name in {"-m", "--method", "--explain"}
         for text in [value if equals else after]
     ]
     return said or [Choices().method]

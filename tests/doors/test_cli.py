@@ -111,6 +111,7 @@ def test_light_commands_load_no_heavy_modules(ball_ply, words, heavy):
         ("bake ball.ply --gamma 4", "unknown option: --gamma"),
         ("bake ball.ply --qqqq 1", "unknown option: --qqqq (see meshdepict bake --help)"),
         ("info ball.ply --exageration 25", "unknown option: --exageration"),
+        ("info ball.ply --explain toon --sharpnes 2", "Did you mean --set sharpness=? (see"),
         ("bake ball.ply --light 30,120", "a light's elevation is from -90"),
         ("bake ball.ply --picture out.png --unit parsec", "unit='parsec' is no length"),
         ("bake ball.ply --light", "requires an argument (see meshdepict bake --help)"),
