@@ -14,6 +14,8 @@ from functools import cached_property
 from os.path import exists, isdir, realpath  # unlike Path's, these never raise
 from pathlib import Path
 
+import numpy as np
+
 from meshdepict.baking.baked import Baked
 from meshdepict.baking.look import Look
 from meshdepict.baking.pixel_widths import measured
@@ -242,6 +244,8 @@ class Batch:
 def check_look(look: Look) -> None:
     """Refuse a look that `bake` would refuse, by trying it on a sphere of twelve vertices.
 
+    A method of terrain alone is tried on sixteen cells.
+
     Raises
     ------
     MeshdepictError
@@ -256,7 +260,9 @@ def check_look(look: Look) -> None:
         }  # fmt: skip
         if "one_light" in known:
             usual["one_light"] = None  # a sphere has no level ground
-        bake_surface(samples.sphere(12), look.replace(**usual))
+        terrain = "heights" in look.declared.needs
+        tried = HeightField(np.eye(4)) if terrain else samples.sphere(12)
+        bake_surface(tried, look.replace(**usual))
 
 
 def stem(source: Path | None) -> str:

@@ -12,6 +12,7 @@ from meshdepict import threads
 from meshdepict.baking import batch
 from meshdepict.drawing.picture_files import read_picture_provenance
 from meshdepict.io import read_mesh, read_provenance, write_mesh
+from meshdepict.shading import METHODS, declaration
 from meshdepict.shapes import samples
 
 
@@ -520,3 +521,19 @@ def test_polygons_become_triangles_with_their_data(run, folder):
     baked = read_mesh("faces.ply")
     assert baked.polygons is None
     assert baked.attributes["face"]["part"].tolist() == [7, 7, 8]
+
+
+@pytest.mark.parametrize(
+    "name", [name for name in METHODS if "heights" in declaration(METHODS[name]).needs]
+)
+def test_methods_of_terrain_bake_terrain_and_refuse_meshes(run, folder, name):
+    rows = "\n".join(" ".join(str((i * j) % 7) for j in range(12)) for i in range(12))
+    (folder / "hill.asc").write_text(
+        f"ncols 12\nnrows 12\nxllcorner 0\nyllcorner 0\ncellsize 1\n{rows}\n"
+    )
+    write_mesh("ball.ply", samples.sphere(100))
+    status, out, err = run("bake", "hill.asc", "ball.ply", "-m", name)
+    assert status == 2
+    assert len(out) == 1
+    assert out[0].startswith(f"hill-{name}.ply: {name}")
+    assert any("ball.ply: heights on a raster are needed" in line for line in err)
