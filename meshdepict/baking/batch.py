@@ -34,6 +34,7 @@ from meshdepict.errors import MeshdepictError, MeshdepictWarning
 from meshdepict.io.folders import RASTERS
 from meshdepict.io.source import FORMATS, WRITABLE, suffix_of
 from meshdepict.options import Values, options_of
+from meshdepict.shading.method import declaration
 from meshdepict.shapes import samples
 from meshdepict.shapes.height_field import HeightField
 from meshdepict.shapes.mesh import Mesh
@@ -260,7 +261,8 @@ def check_look(look: Look) -> None:
         }  # fmt: skip
         if "one_light" in known:
             usual["one_light"] = None  # a sphere has no level ground
-        terrain = "heights" in look.declared.needs
+        asked = (look.function, *(layer.function for layer in look.layers))
+        terrain = any("heights" in declaration(function).needs for function in asked)
         tried = HeightField(np.eye(4)) if terrain else samples.sphere(12)
         bake_surface(tried, look.replace(**usual))
 

@@ -537,3 +537,5 @@ def test_methods_of_terrain_bake_terrain_and_refuse_meshes(run, folder, name):
     assert len(out) == 1
     assert out[0].startswith(f"hill-{name}.ply: {name}")
     assert any("ball.ply: heights on a raster are needed" in line for line in err)
+    laid = run("bake", "hill.asc", "--blend", f"{name}:multiply:0.5,lambert", "-o", "laid.ply")
+    assert laid[0] == 0
