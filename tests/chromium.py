@@ -100,6 +100,9 @@ class Chromium:
             self.errors.append(str(said["args"]))
 
     def open(self, address: str) -> None:
+        # A page whose server has gone complains once more when it is left: that is not about this.
+        self.call("Page.navigate", url="about:blank")
+        self.wait("location.href === 'about:blank' && document.readyState === 'complete'")
         self.requests.clear()
         self.errors.clear()
         self.call("Page.navigate", url=address)

@@ -66,8 +66,12 @@ def info(
 
 
 def _explained(method: str, words: LookWords) -> Look:
-    """Return the look whose bake is to be explained."""
+    """Return the look whose bake is to be explained; refuse one that `bake` refuses."""
+    from meshdepict.baking.batch import check_look
     from meshdepict.baking.look import Look
 
     options = method_options(method, words.options or [])
-    return Look(**{"view": AUTO, "up": AUTO, **words.said, "method": method, **options})
+    look = Look(**{"view": AUTO, "up": AUTO, **words.said, "method": method, **options})
+    if look.transfer is None:
+        check_look(look)
+    return look

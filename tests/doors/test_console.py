@@ -35,7 +35,7 @@ def test_long_work_shows_a_bar_on_a_terminal(ball_ply, monkeypatch, capsys, quie
             time.sleep(0.01)
         return ball_ply
 
-    monkeypatch.setattr(batch, "read_mesh", read)
+    monkeypatch.setattr(batch, "as_solid", read)
     assert main(["bake", "ball.ply", *["--quiet"] * quiet]) == 0
     assert ("ball.ply" in terminal.getvalue()) is not quiet
     assert capsys.readouterr().out.startswith("ball-exaggerated.ply: ")
@@ -55,7 +55,7 @@ def test_the_warnings_of_others_stay_away(run, ball_ply, monkeypatch):
         warnings.warn("about\nthe mesh", md.MeshdepictWarning, stacklevel=1)
         return read_mesh(path)
 
-    monkeypatch.setattr(batch, "read_mesh", read)
+    monkeypatch.setattr(batch, "as_solid", read)
     status, _, err = run("bake", "ball.ply")
     assert (status, err) == (0, ["meshdepict: note: ball.ply: about the mesh"])
 
@@ -71,7 +71,7 @@ def test_notes_that_repeat_in_a_batch_are_said_once_and_counted(run, ball_ply, m
         warnings.warn(f"{path}: {text}", md.MeshdepictWarning, stacklevel=1)
         return read_mesh(path)
 
-    monkeypatch.setattr(batch, "read_mesh", read)
+    monkeypatch.setattr(batch, "as_solid", read)
     status, out, err = run("bake", *names)
     assert (status, len(out)) == (0, 4)
     assert err == [

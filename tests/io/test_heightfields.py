@@ -553,7 +553,7 @@ def test_what_is_no_file_or_may_not_be_read_is_refused(tmp_path):
         read_heightfield(tmp_path / "pipe.tif")
     with pytest.raises(MeshdepictError, match="is a name that no file can have"):
         read_heightfield("a\0.tif")
-    with pytest.raises(MeshdepictError, match="in no format of heights that is known"):
+    with pytest.raises(MeshdepictError, match="is a folder, not a file"):
         read_heightfield(tmp_path)
 
 

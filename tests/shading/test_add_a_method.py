@@ -13,12 +13,12 @@ ROOT = Path(__file__).resolve().parents[2]
 
 # Tests that go through all methods: those of the new one, and those that have them in one go.
 FAMILIES = {
-    "tests/shading/test_shading_family.py": "slope",
-    "tests/shading/test_baselines.py": "slope",
-    "tests/scales/test_image_scales.py": "slope",
-    "tests/scales/test_grid_scales.py": "slope",
-    "tests/viewer/test_session.py": "slope",
-    "tests/commands/test_report.py": "slope or lists_name",
+    "tests/shading/test_shading_family.py": "steepness",
+    "tests/shading/test_baselines.py": "steepness",
+    "tests/scales/test_image_scales.py": "steepness",
+    "tests/scales/test_grid_scales.py": "steepness",
+    "tests/viewer/test_session.py": "steepness",
+    "tests/commands/test_report.py": "steepness or lists_name",
     "tests/baking/test_volume_baking.py": "every_method_bakes",
     "tests/doors/test_accessor.py": "every_method_is_there",
 }
@@ -66,7 +66,7 @@ def test_a_method_of_one_file_and_one_line_passes_the_tests_of_the_family(copy):
 
 
 def test_what_it_runs_is_the_copy(copy):
-    status, text = run(copy, "meshdepict", "methods", "slope")
+    status, text = run(copy, "meshdepict", "methods", "steepness")
     assert status == 0, text
     assert "Imhof" in text
 
