@@ -172,6 +172,17 @@ def test_light_from_all_around_is_even_once_it_bounced_often(space):
     assert dark.max() <= 0.25 + 1e-4  # a body that swallows half of it sends at most half of it
 
 
+def test_a_lamp_in_the_sky_casts_a_shadow_without_speckle(space):
+    pixels = np.full((64, 128, 3), 0.05, np.float32)
+    pixels[20:22, 30:32] = 200
+    sky = Environment(pixels)
+    options = {"shadows": True, **MATT, "exposure": 0.5}
+    exact = shading.phong(space, sky, rays=4096, **options)
+    found = shading.phong(space, sky, rays=64, **options)
+    assert 255 * np.sqrt(np.mean((found - exact) ** 2)) < 1
+    assert np.ptp(exact) > 0.2
+
+
 def test_highlights_of_a_sky_stay_where_its_matt_light_is_hidden(space):
     gloss = {"ambient": 0.0, "diffuse": 0.0, "specular": 0.5}
     np.testing.assert_allclose(
