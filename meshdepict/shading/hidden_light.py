@@ -7,6 +7,7 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
+from numpy.polynomial.legendre import leggauss
 from numpy.typing import NDArray
 
 from meshdepict.errors import MeshdepictError
@@ -22,14 +23,19 @@ from meshdepict.scene.material import (
     Mirror,
     Phong,
     Refractive,
+    diffuse_term,
 )
 from meshdepict.scene.vectors import cosines
 from meshdepict.shading.direct import direct
 from meshdepict.shading.reached import Reached, added
 
-__all__ = ["hidden_direct", "matt", "refuse_unhidden"]
+__all__ = ["albedo", "hidden_direct", "matt", "refuse_unhidden"]
 
 Single = NDArray[np.float32]
+
+# Gauss and Legendre's rule on [0, 1]: Schlick's fifth powers come out exactly.
+_NODES, _WEIGHTS = leggauss(8)
+_NODES, _WEIGHTS = (_NODES + 1) / 2, _WEIGHTS / 2
 
 
 def hidden_direct(
@@ -71,20 +77,43 @@ def hidden_direct(
             share = _wrapped(cosines(space.normals_at(0), light.direction), share)
         total = added(total, part if share is None else (part.T * share).T)
     if reach.around is not None:
-        total = added(total, np.float32(matt(material)) * reach.around)
+        shown = matt(material, space.normals_at(0), eyes)
+        total = added(total, (shown * reach.around.T).T)
     if environments and (glossy := _glossy(material)) is not None:
         part = direct(space, [], eyes, glossy, environments=environments, count=count, **settings)
         total = added(total, part)
     return total
 
 
-def matt(material: Material) -> float:
-    """Return the share of light that a material sends on diffusely.
+def albedo(material: Material) -> float:
+    """Return the share of even light that a material's matt part sends on in all, at most 1."""
+    if isinstance(material, (CookTorrance, AshikhminShirley)):
+        return min(float(2 * _WEIGHTS @ (_NODES * _shown(material, _NODES))), 1.0)
+    return float(getattr(material, "diffuse", 1.0))
+
+
+def matt(material: Material, normals: Single, eyes: Single) -> Single:
+    """Return the share (n,) or () of even light that a material shows the eye diffusely.
 
     A half-Lambertian one shows half of what comes to it.
     """
-    own = float(getattr(material, "diffuse", 1.0))
-    return own / 2 if isinstance(material, HalfLambert) else own
+    if isinstance(material, (CookTorrance, AshikhminShirley)):
+        facing = np.abs(np.einsum("ij,ij->i", normals, np.broadcast_to(eyes.T, normals.shape)))
+        along = np.linspace(0, 1, 257)
+        return np.interp(facing, along, _shown(material, along)).astype(np.float32)
+    half = 0.5 if isinstance(material, HalfLambert) else 1.0
+    return np.asarray(half * albedo(material), np.float32)
+
+
+def _shown(material: Material, facing: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return 2 ∫ term(u) du over the cosines u of the light, at cosines (k,) to the eye."""
+
+    def tilted(cosine: NDArray[np.float64]) -> NDArray[np.float64]:
+        return np.stack([np.sqrt(1 - cosine**2), 0 * cosine, cosine], axis=-1)
+
+    lights, towards = tilted(_NODES)[:, None], tilted(facing)[None]
+    terms = diffuse_term(material, np.array([0.0, 0.0, 1.0]), lights, towards)
+    return np.asarray(2 * _WEIGHTS @ terms)
 
 
 def refuse_unhidden(material: Material, illumination: str) -> None:

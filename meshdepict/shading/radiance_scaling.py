@@ -39,7 +39,7 @@ from meshdepict.shading.features import (
     curved,
     eyes,
 )
-from meshdepict.shading.hidden_light import hidden_direct, matt, refuse_unhidden
+from meshdepict.shading.hidden_light import albedo, hidden_direct, refuse_unhidden
 from meshdepict.shading.method import Exposure, exposed, method
 from meshdepict.shading.reached import USUAL_RAYS, Bounces, Reached, Shadows, ray_count, reached
 from meshdepict.shading.scaled_transfer import Enhancement
@@ -274,11 +274,11 @@ def radiance_scaling(
                 enhancement = Enhancement(bend, gamma_d, alpha, enhance == "all")
 
             def displayed(light: Floats) -> Floats:
-                return linear_to_srgb(exposed(ambient + matt(chosen) * light, exposure))
+                return linear_to_srgb(exposed(ambient + albedo(chosen) * light, exposure))
 
             reach = reached(
                 space, lamps, environments, shadows=shadows, bounces=bounces,
-                rays=rays or USUAL_RAYS, albedo=getattr(chosen, "diffuse", 1.0), shown=displayed,
+                rays=rays or USUAL_RAYS, albedo=albedo(chosen), shown=displayed,
                 enhancement=enhancement,
             )  # fmt: skip
         shaded = hidden_direct(

@@ -24,6 +24,7 @@ from meshdepict.scene.light import Light
 from meshdepict.scene.vectors import cosines
 from meshdepict.transport.radiosity import bounced
 from meshdepict.transport.rays import AGAIN, MOST_RAYS, probed
+from meshdepict.transport.sky_cells import parted_sky
 
 if TYPE_CHECKING:
     from meshdepict.shading.scaled_transfer import Enhancement, ScaledTransfer
@@ -100,7 +101,8 @@ def reached(
     space : ScaleSpace
     lights : sequence of Light
     environments : sequence of Environment
-        Their light comes by rays that get away, and so is all of it ``around``.
+        Their light comes by rays that get away, and of lamps in them by rays to those: all of it is
+        ``around``.
     shadows, bounces, rays
         The options of these names.
     albedo : float
@@ -147,10 +149,15 @@ def reached(
         first = ScaledTransfer(transfer, enhancement, transfer.points)
         if enhancement.everywhere:
             inner, inside = first, enhancement
-    around = _sky(first, environments)
+    parts = [parted_sky(environment) for environment in environments]
+    skies, lamps = [sky for sky, _ in parts], [lamp for _, some in parts for lamp in some]
+    lit = tuple(space.seen_share(lamp, at=at) for lamp in lamps)
+    shone = _fallen(at[1], lamps, lit, enhancement)
+    around = added(_sky(first, skies), shone)
     sent: Single | None = None
     if bounces:
-        start = added(_fallen(at[1], lights, falling, inside), _sky(inner, environments))
+        start = added(_fallen(at[1], lights, falling, inside), _sky(inner, skies))
+        start = added(start, _fallen(at[1], lamps, lit, inside))
         _, sent = bounced(inner, start, albedo=albedo, bounces=bounces)
         around = added(around, first.from_surface(sent))
     if probes := transfer.probes:
@@ -166,7 +173,7 @@ def reached(
             others = tuple(
                 space.seen_share(each, rays=rays, at=places, steps=AGAIN) for each in lights
             )
-        again = _sky(second, environments)
+        again = added(_sky(second, skies), shone[chosen])
         if sent is not None:
             again = added(again, second.from_surface(sent))
         _record(

@@ -98,7 +98,8 @@ class ScaledTransfer:
 
     def from_sky(self, environment: Environment) -> Single:
         """Return what arrives (n, 3) of an environment."""
-        t, colors = self._transfer, sky_colors(environment)
+        t = self._transfer
+        colors = sky_colors(environment, t.rays)
         directions = cell_directions().astype(np.float32)
         out = np.empty((len(t), 3), np.float32)
         each(

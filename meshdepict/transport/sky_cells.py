@@ -10,20 +10,26 @@ from __future__ import annotations
 import functools
 import math
 from typing import TYPE_CHECKING
+from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import NDArray
 
-from meshdepict.scene.equirectangular import bilinear, to_picture
+from meshdepict.scene.environment import LUMINANCE, Environment
 from meshdepict.threads import kernel
 
 if TYPE_CHECKING:
-    from meshdepict.scene.environment import Environment
+    from meshdepict.scene.light import Light
 
-__all__ = ["ACROSS", "cell", "cell_directions", "sky_colors"]
+__all__ = ["ACROSS", "cell", "cell_directions", "parted_sky", "sky_colors"]
 
 ACROSS = 256
 """Cells along a side of the square."""
+
+_SKY_ROWS = 64  # of the picture that the mean is taken of
+_LAMP = 3.0  # times the mean: what is brighter is a lamp
+_LAMPS = 32  # lights that stand for all lamps: half as many rays as of the sky
+_parts: WeakKeyDictionary[Environment, tuple[Environment, list[Light]]] = WeakKeyDictionary()
 
 
 @kernel(inline=True)
@@ -53,13 +59,35 @@ def cell_directions() -> NDArray[np.float64]:
     return found
 
 
-def sky_colors(environment: Environment) -> NDArray[np.float32]:
+def sky_colors(environment: Environment, rays: int) -> NDArray[np.float32]:
     """Return the radiance (cells, 3) of an environment in each cell.
 
-    Its picture is first averaged over blocks about as large as the cells, so that a small sun falls
-    between none.
+    It is blurred by half the distance of so many cosine-weighted rays: what is narrower would be
+    met by one ray of a sample and by none of its neighbour's, and be speckle.
     """
-    flux, _ = environment.reduced(ACROSS)
-    radiance = flux[..., :3] / np.maximum(flux[..., 3:], 1e-30)
-    directions = to_picture(cell_directions(), environment.up)
-    return np.asarray(bilinear(radiance.astype(np.float32), directions), np.float32)
+    return environment.lookup(cell_directions(), blur=math.sqrt(math.pi / rays) / 2)
+
+
+def parted_sky(environment: Environment) -> tuple[Environment, list[Light]]:
+    """Return an environment without what is much brighter than its mean, and lights for that.
+
+    A lamp's light comes from a few directions, which a few rays of each sample meet or miss; it
+    needs shadow rays of its own. The parts are kept as long as the environment.
+    """
+    if environment not in _parts:
+        _parts[environment] = _parted(environment)
+    return _parts[environment]
+
+
+def _parted(environment: Environment) -> tuple[Environment, list[Light]]:
+    flux, _ = environment.reduced(_SKY_ROWS)
+    mean = float((flux[..., :3].sum(axis=(0, 1)) @ LUMINANCE) / flux[..., 3].sum())
+    brightness = environment.pixels @ LUMINANCE.astype(np.float32)
+    share = np.minimum(1, _LAMP * mean / np.maximum(brightness, np.float32(1e-30)))[..., None]
+    if (share >= 1).all():
+        return environment, []
+    dim, bright = (
+        Environment(environment.pixels * part, name=environment.name, up=environment.up)
+        for part in (share, 1 - share)
+    )
+    return dim, [light for light in bright.lights(_LAMPS) if light.color.any()]

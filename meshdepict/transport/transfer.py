@@ -115,7 +115,7 @@ class Transfer:
 
     def from_sky(self, environment: Environment) -> Single:
         """Return S (n, 3): what arrives of an environment, 1 under an open sky of radiance 1."""
-        colors, out = sky_colors(environment), np.empty((len(self), 3), np.float32)
+        colors, out = sky_colors(environment, self.rays), np.empty((len(self), 3), np.float32)
         each(
             lambda a, b: _seen_sky(
                 self.misses, self.sky, colors, np.float32(1 / self.rays), a, b, out

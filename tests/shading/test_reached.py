@@ -15,8 +15,10 @@ from meshdepict.scales.chosen_samples import ChosenSamples
 from meshdepict.scales.interpolated_scales import InterpolatedSpace
 from meshdepict.scene.environment import Environment
 from meshdepict.scene.light import Light
+from meshdepict.scene.material import AshikhminShirley, CookTorrance, Lambert, Phong, diffuse_term
 from meshdepict.scene.view import View
 from meshdepict.shading import METHODS
+from meshdepict.shading.hidden_light import albedo, matt
 from meshdepict.shapes.phantom import ct_phantom
 from meshdepict.transport import rays as transport_rays
 from meshdepict.transport import transfer
@@ -61,7 +63,8 @@ def traced(monkeypatch):
 
 
 def test_methods_with_a_matt_material_take_them():
-    assert {"lambert", "half_lambert", "phong"} <= {*HIDING}
+    known = {"lambert", "half_lambert", "phong", "cook_torrance", "radiance_scaling"}
+    assert known <= {*HIDING}
 
 
 @hiding
@@ -170,6 +173,34 @@ def test_light_from_all_around_is_even_once_it_bounced_often(space):
     np.testing.assert_allclose(furnace, 0.5, atol=2e-3)
     dark = shading.phong(space, white(0.5), bounces=60, **{**options, "diffuse": 0.5})
     assert dark.max() <= 0.25 + 1e-4  # a body that swallows half of it sends at most half of it
+
+
+@pytest.mark.parametrize(
+    "material",
+    [CookTorrance(0.6, 0.3, 0.3), AshikhminShirley(0.7, 0.2, 20), Lambert(0.4), Phong(0, 0.7, 0)],
+)
+def test_even_light_that_came_around_is_shown_as_that_of_many_lights(sphere, material):
+    space = md.scale_space(sphere, scales=0)
+    eyes = np.array([[0.0], [0.0], [1.0]], np.float32)
+    every = Light((0, 0, 1), color=np.full(3, 4.0), spread=180).disc(2_000)  # radiance 1
+    exact = sum(
+        diffuse_term(material, space.normals_at(0), one.direction, eyes[:, 0]) * one.color[0]
+        for one in every
+    )
+    shown = matt(material, space.normals_at(0), eyes)
+    np.testing.assert_allclose(np.broadcast_to(shown, exact.shape), exact, atol=0.01)
+    assert albedo(material) <= 1
+
+
+def test_a_lamp_in_the_sky_casts_a_shadow_without_speckle(space):
+    pixels = np.full((64, 128, 3), 0.05, np.float32)
+    pixels[20:22, 30:32] = 200
+    sky = Environment(pixels)
+    options = {"shadows": True, **MATT, "exposure": 0.5}
+    exact = shading.phong(space, sky, rays=4096, **options)
+    found = shading.phong(space, sky, rays=64, **options)
+    assert 255 * np.sqrt(np.mean((found - exact) ** 2)) < 1
+    assert np.ptp(exact) > 0.2
 
 
 def test_highlights_of_a_sky_stay_where_its_matt_light_is_hidden(space):

@@ -85,7 +85,7 @@ def test_a_sky_is_scaled_ray_by_ray(space):
     )
     from meshdepict.transport.sky_cells import sky_colors
 
-    colors, directions = sky_colors(environment), cell_directions()
+    colors, directions = sky_colors(environment, 16), cell_directions()
     for i in range(0, len(transfer), 29):
         cells = transfer.sky[transfer.misses[i] : transfer.misses[i + 1]]
         delta = np.clip(directions[cells] @ transfer.normals[i], 0, 1)

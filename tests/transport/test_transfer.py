@@ -10,7 +10,7 @@ from meshdepict.files import limits
 from meshdepict.scene.environment import Environment
 from meshdepict.transport.radiosity import bounced
 from meshdepict.transport.rays import AGAIN, FIRST, MOST_RAYS, RaySet, cosine_weighted
-from meshdepict.transport.sky_cells import ACROSS, cell, cell_directions
+from meshdepict.transport.sky_cells import ACROSS, cell, cell_directions, parted_sky
 from meshdepict.transport.transfer import traced_transfer
 
 
@@ -227,6 +227,30 @@ def test_a_sky_is_what_an_open_sphere_gathers_of_it(sphere, rng, up):
     # Nine harmonics alone are the coarser of the two: about 1 % of the mean.
     assert np.sqrt(np.mean((gathered - exact) ** 2)) < 0.02
     assert gathered.mean() == pytest.approx(exact.mean(), rel=0.005)
+
+
+def test_lamps_in_a_sky_are_lights_and_both_together_are_the_sky(rng):
+    pixels = rng.random((32, 64, 3)).astype(np.float32)
+    pixels[4:6, 10:13] = 500, 400, 300
+    environment = Environment(pixels, up="z")
+    sky, lamps = parted_sky(environment)
+    assert parted_sky(environment)[0] is sky
+    assert sky.up == "z"
+    assert sky.brightest < environment.brightest / 5
+    normals = rng.normal(size=(50, 3))
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    lit = sum(np.maximum(normals @ lamp.direction, 0)[:, None] * lamp.color for lamp in lamps)
+    exact = sum(
+        np.maximum(normals @ one.direction, 0)[:, None] * one.color
+        for one in environment.lights(4096)
+    )
+    found = lit + sum(
+        np.maximum(normals @ one.direction, 0)[:, None] * one.color for one in sky.lights(4096)
+    )
+    np.testing.assert_allclose(found, exact, atol=0.01 * exact.max())
+    # Where nothing is brighter than the rest there is no lamp.
+    even = Environment(np.ones((16, 32, 3)))
+    assert parted_sky(even) == (even, [])
 
 
 def test_a_sky_of_one_radiance_gives_it_where_it_is_open():
