@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshdepict.errors import MeshdepictError
+from meshdepict.surface.welding import same_position
 
 if TYPE_CHECKING:
     from embreex.rtcore_scene import EmbreeScene
@@ -25,8 +26,18 @@ if TYPE_CHECKING:
     from meshdepict.shapes.mesh import Mesh
 
 __all__ = [
-    "AGAIN", "BATCH", "FIRST", "MOST_RAYS", "Bundle", "RaySet", "Steps", "checked_rays",
-    "cosine_weighted", "probed", "ray_scene",
+    "AGAIN",
+    "BATCH",
+    "FIRST",
+    "MOST_RAYS",
+    "Bundle",
+    "RaySet",
+    "Steps",
+    "checked_rays",
+    "cosine_weighted",
+    "lifted",
+    "probed",
+    "ray_scene",
 ]  # fmt: skip
 
 Floats = NDArray[np.float64]
@@ -38,6 +49,7 @@ BATCH = 65_536
 """Rays that are traced at once: three megabytes, however large the mesh."""
 
 _OFFSET = 1e-5  # of a ray's start from the surface, in diagonals: 100 roundings in float32
+_AHEAD = 0.25 * _OFFSET  # less than what lifts a start in a corner off the walls that meet there
 _GOLDEN = (math.sqrt(5) - 1) / 2
 _GRID = 2.0**20  # positions this share of a diagonal apart have different shifts
 # Powers of the roots of xⁿ = x + 1, n = 4 … 7: their multiples fill the unit interval evenly. Two
@@ -53,6 +65,7 @@ _STEPS = np.array(
 FIRST, AGAIN = _STEPS[:2], _STEPS[2:]
 """What shifts the set that values come from, and the one that tells their error."""
 
+_AGREE = 0.1  # least cosine between a normal and the mean of those at its position
 _PROBES = 1024  # points, at least, at which the error is looked at: it is then known to 5 %
 
 _scenes: WeakKeyDictionary[Mesh, EmbreeScene] = WeakKeyDictionary()
@@ -93,7 +106,7 @@ class RaySet:
         self._cos, self._sin = np.cos(angle).astype(np.float32), np.sin(angle).astype(np.float32)
 
     def leaving(
-        self, points: Floats, normals: Floats, axes: Floats, steps: Steps, *, ahead: bool = False
+        self, points: Floats, lifts: Floats, axes: Floats, steps: Steps, *, ahead: bool = False
     ) -> Bundle:
         """Return the rays from points a little above a surface.
 
@@ -101,7 +114,7 @@ class RaySet:
         ----------
         points : (n, 3) array
             In a mesh's unit frame.
-        normals, axes : (n, 3) arrays
+        lifts, axes : (n, 3) arrays
             Unit vectors: away from the surface, and in the middle of the rays.
         steps : (2, 3) array
             `FIRST` or `AGAIN`.
@@ -118,10 +131,10 @@ class RaySet:
         for axis in range(3):  # rather than over (…, 3) at once, which takes twice as long
             x, y, z = (v[:, axis, None] for v in frame)
             directions[..., axis] = local[0] * x + local[1] * y + local[2] * z
-        starts = (points + _OFFSET * normals).astype(np.float32)
+        starts = (points + _OFFSET * lifts).astype(np.float32)
         origins = np.repeat(starts, self.rays, axis=0)
         if ahead:
-            origins += np.float32(_OFFSET) * directions.reshape(-1, 3)
+            origins += np.float32(_AHEAD) * directions.reshape(-1, 3)
         return Bundle(origins, directions)
 
 
@@ -143,6 +156,24 @@ def ray_scene(mesh: Mesh) -> EmbreeScene:
         scene.run(np.zeros((1, 3), np.float32), np.ones((1, 3), np.float32), query="OCCLUDED")
         _scenes[mesh] = scene
     return scene
+
+
+def lifted(points: Floats, normals: NDArray[Any]) -> Floats:
+    """Return the directions (n, 3) in which rays from points leave the surface.
+
+    Where several points are at one position, as along a crease, it is off all that meets there: off
+    one wall alone a ray starts within the next one, and might go through it. Points whose normals
+    look away from the others' mean have their own.
+    """
+    own = np.asarray(normals, np.float64)
+    position = same_position(points)
+    if position is None:
+        return own
+    mean: Floats = np.stack([np.bincount(position, part) for part in own.T], axis=1)
+    length = np.linalg.norm(mean, axis=1, keepdims=True)
+    mean = (mean / np.where(length > 0, length, 1))[position]
+    agree = np.einsum("ij,ij->i", mean, own) > _AGREE
+    return np.where(agree[:, None], mean, own)
 
 
 def probed(count: int) -> NDArray[np.int64]:

@@ -15,6 +15,7 @@ from meshdepict.transport.rays import (
     RaySet,
     Steps,
     checked_rays,
+    lifted,
     ray_scene,
 )
 
@@ -71,6 +72,7 @@ def seen_share(
         return 1 - share * (1 - least)
 
     scene, ray_set = ray_scene(mesh), RaySet(count, height)
+    lifts = lifted(points, normals)
     # Where all of the disc is behind nothing is asked. Samples of one ray each fill a batch.
     reach = math.sin(math.radians(min(spread, 90.0)))
     asked = np.flatnonzero(np.asarray(normals, np.float64) @ axis > -reach)
@@ -81,7 +83,7 @@ def seen_share(
         here = asked[begin:end]
         facing = np.asarray(normals[here], np.float64)
         axes = np.broadcast_to(axis, facing.shape)
-        bundle = ray_set.leaving(points[here], facing, axes, steps, ahead=True)
+        bundle = ray_set.leaving(points[here], lifts[here], axes, steps, ahead=True)
         above = np.einsum("ij,ikj->ik", facing.astype(np.float32), bundle.directions) > 0
         origins, directions = bundle.flat
         tried = np.flatnonzero(above)

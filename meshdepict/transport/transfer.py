@@ -33,6 +33,7 @@ from meshdepict.transport.rays import (
     Steps,
     checked_rays,
     cosine_weighted,
+    lifted,
     probed,
     ray_scene,
 )
@@ -187,9 +188,10 @@ def traced_transfer(
         )
     where = mesh.normals if normals is None else np.asarray(normals)
     chosen = probed(len(mesh.vertices))
-    second = _traced(mesh, mesh.unit_points[chosen], where[chosen], count, AGAIN)
+    lifts = lifted(mesh.unit_points, where)
+    second = _traced(mesh, mesh.unit_points[chosen], where[chosen], lifts[chosen], count, AGAIN)
     return _traced(
-        mesh, mesh.unit_points, where, count, FIRST, probes=Probes(chosen, second), done=done
+        mesh, mesh.unit_points, where, lifts, count, FIRST, probes=Probes(chosen, second), done=done
     )
 
 
@@ -197,6 +199,7 @@ def _traced(
     mesh: Mesh,
     points: Floats,
     normals: NDArray[Any],
+    lifts: Floats,
     rays: int,
     steps: Steps,
     *,
@@ -219,7 +222,7 @@ def _traced(
     def work(number: int, begin: int, end: int) -> None:
         here = slice(begin, end)
         axes = np.asarray(normals[here], np.float64)
-        bundle = ray_set.leaving(points[here], axes, axes, steps, ahead=True)
+        bundle = ray_set.leaving(points[here], lifts[here], axes, steps, ahead=True)
         met = scene.run(*bundle.flat, query="INTERSECT", output=True)
         size = (end - begin) * rays
         counts = np.zeros((2, end - begin), np.int64)

@@ -125,3 +125,18 @@ def test_wrong_numbers_of_rays_are_refused(ball):
     at = ball.unit_points, ball.normals
     with pytest.raises(MeshdepictError, match="is not a whole number from 2 to 65536"):
         seen_share(ball, UP, at=at, spread=5, rays=1)
+
+
+def test_light_does_not_leak_through_the_foot_of_a_wall():
+    # Floor and wall have vertices of their own along the edge where they meet, as creases make.
+    floor = np.array([[0, 0, 0], [4, 0, 0], [4, 1, 0], [0, 1, 0]], float)
+    wall = np.array([[0, 0, 0], [0, 1, 0], [0, 1, 4], [0, 0, 4]], float)
+    faces = np.array([[0, 1, 2], [0, 2, 3]])
+    mesh = md.Mesh(np.vstack([floor, wall]), np.vstack([faces, faces + 4]), winding="keep")
+    normals = np.repeat([UP, [1.0, 0, 0]], 4, axis=0)
+    foot = [0, 3]
+    for tilt in (20, 45, 70):
+        at = mesh.unit_points, normals
+        behind, before = (seen_share(mesh, towards(tilt, a), at=at) for a in (180, 0))
+        assert not behind[foot].any()
+        assert (before == 1).all()

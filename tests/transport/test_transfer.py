@@ -202,6 +202,74 @@ def test_bounces_are_what_dense_radiosity_finds(rng):
     )
 
 
+def room(count=12):
+    """A unit cube seen from within: six walls with vertices of their own, areas and normals."""
+    along = np.linspace(0, 1, count + 1)
+    weight = np.full(count + 1, 1 / count)
+    weight[[0, -1]] /= 2
+    u, v = (part.ravel() for part in np.meshgrid(along, along, indexing="ij"))
+    corner = (np.arange(count)[:, None] * (count + 1) + np.arange(count)).ravel()
+    quads = np.stack([corner, corner + count + 1, corner + count + 2, corner + 1], axis=1)
+    faces = np.vstack([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]])
+    points, normals, triangles = [], [], []
+    for axis in range(3):
+        for side in (0.0, 1.0):
+            place = np.empty((len(u), 3))
+            place[:, axis], place[:, axis - 2], place[:, axis - 1] = side, u, v
+            inward = np.zeros_like(place)
+            inward[:, axis] = 1 - 2 * side
+            triangles.append((faces if side == 0 else faces[:, ::-1]) + sum(map(len, points)))
+            points.append(place)
+            normals.append(inward)
+    mesh = md.Mesh(np.vstack(points), np.vstack(triangles), winding="keep")
+    return mesh, np.vstack(normals), np.outer(weight, weight).ravel()
+
+
+def test_walls_of_a_room_send_each_other_what_view_factors_say():
+    mesh, normals, areas = room()
+    transfer = traced_transfer(mesh, normals=normals, rays=256)
+    wall = np.repeat(np.arange(6), len(areas))
+    seen = transfer.from_surface(np.eye(6)[wall])  # from the walls at once, each a colour
+    factors = np.einsum("p,wpc->wc", areas, seen.reshape(6, len(areas), 6))
+    exact = np.full((6, 6), 0.20004) - 0.20004 * np.eye(6)  # of two unit squares with one edge
+    exact[np.arange(6), np.arange(6) ^ 1] = 0.19982  # of those that face each other
+    np.testing.assert_allclose(factors, exact, atol=0.004)
+    np.testing.assert_allclose(factors.sum(axis=1), 1, atol=0.003)
+
+
+def test_coloured_walls_tint_the_others_as_the_radiosity_of_the_room_does(rng):
+    mesh, normals, areas = room(8)
+    transfer = traced_transfer(mesh, normals=normals, rays=256)
+    wall = np.repeat(np.arange(6), len(areas))
+    albedo, emitted = rng.uniform(0, 0.8, (6, 3)), np.zeros((6, 3))
+    emitted[3] = 1, 0.9, 0.7  # the ceiling
+    light = np.zeros((len(transfer), 3))
+    arriving, _ = bounced(transfer, light, albedo=albedo[wall], emitted=emitted[wall], bounces=60)
+    found = np.einsum("p,wpc->wc", areas, arriving.reshape(6, len(areas), 3))
+    # As patches that see each other from middle to middle, all that leaves one arriving somewhere.
+    middle = (np.arange(8) + 0.5) / 8
+    u, v = (part.ravel() for part in np.meshgrid(middle, middle))
+    centres, towards, patch = [], [], np.repeat(np.arange(6), 64)
+    for axis in range(3):
+        for side in (0.0, 1.0):
+            place = np.empty((64, 3))
+            place[:, axis], place[:, axis - 2], place[:, axis - 1] = side, u, v
+            centres.append(place)
+            towards.append(np.tile((1 - 2 * side) * np.eye(3)[axis], (64, 1)))
+    apart = np.vstack(centres)[None] - np.vstack(centres)[:, None]
+    square = (apart**2).sum(axis=2) + np.eye(384)
+    leaving = np.einsum("ijk,ik->ij", apart, np.vstack(towards))
+    arriving_at = -np.einsum("ijk,jk->ij", apart, np.vstack(towards))
+    factors = np.maximum(leaving, 0) * np.maximum(arriving_at, 0) / square**2
+    factors /= factors.sum(axis=1, keepdims=True)
+    for channel in range(3):
+        sent = np.linalg.solve(
+            np.eye(384) - albedo[patch, channel, None] * factors, emitted[patch, channel]
+        )
+        exact = (factors @ sent).reshape(6, 64).mean(axis=1)
+        np.testing.assert_allclose(found[:, channel], exact, rtol=0.05)
+
+
 # --- the sky ----------------------------------------------------------------------------------
 
 
