@@ -23,6 +23,7 @@ from meshdepict.scene.material import (
 from meshdepict.scene.names import LightsLike, parted
 from meshdepict.scene.view import View
 from meshdepict.shading.direct import quantised
+from meshdepict.shading.enhancement import Enhancement
 from meshdepict.shading.features import (
     Bins,
     CurvatureKind,
@@ -42,7 +43,6 @@ from meshdepict.shading.features import (
 from meshdepict.shading.hidden_light import albedo, hidden_direct, refuse_unhidden
 from meshdepict.shading.method import Exposure, exposed, method
 from meshdepict.shading.reached import USUAL_RAYS, Bounces, Reached, Shadows, ray_count, reached
-from meshdepict.shading.scaled_transfer import Enhancement
 from meshdepict.shading.scaling_equation import LEAST_INVARIANT, scaling
 from meshdepict.shading.surroundings import (
     as_environment,

@@ -24,10 +24,10 @@ from meshdepict.scene.light import Light
 from meshdepict.scene.vectors import cosines
 from meshdepict.transport.radiosity import bounced
 from meshdepict.transport.rays import AGAIN, MOST_RAYS, probed
-from meshdepict.transport.sky_cells import parted_sky
 
 if TYPE_CHECKING:
-    from meshdepict.shading.scaled_transfer import Enhancement, ScaledTransfer
+    from meshdepict.shading.enhancement import Enhancement
+    from meshdepict.shading.scaled_transfer import ScaledTransfer
     from meshdepict.transport.transfer import Transfer
 
     Gathers = Transfer | ScaledTransfer
@@ -149,6 +149,8 @@ def reached(
         first = ScaledTransfer(transfer, enhancement, transfer.points)
         if enhancement.everywhere:
             inner, inside = first, enhancement
+    from meshdepict.transport.sky_cells import parted_sky
+
     parts = [parted_sky(environment) for environment in environments]
     skies, lamps = [sky for sky, _ in parts], [lamp for _, some in parts for lamp in some]
     lit = tuple(space.seen_share(lamp, at=at) for lamp in lamps)

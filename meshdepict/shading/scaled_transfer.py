@@ -6,12 +6,12 @@ every direction that light comes from, whether a surface or the sky sends it.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from meshdepict.shading.scaling_equation import scaling
+from meshdepict.shading.enhancement import Enhancement
 from meshdepict.threads import each, kernel, spans, thread_count
 from meshdepict.transport.sky_cells import cell_directions, sky_colors
 
@@ -19,41 +19,11 @@ if TYPE_CHECKING:
     from meshdepict.scene.environment import Environment
     from meshdepict.transport.transfer import Transfer
 
-__all__ = ["Enhancement", "ScaledTransfer"]
+__all__ = ["ScaledTransfer"]
 
 Single = NDArray[np.float32]
 
 _WEIGHTS = 65_535  # of a barycentric coordinate of 1, as `Transfer` has them
-
-
-class Enhancement(NamedTuple):
-    """How light is scaled at the vertices of a surface.
-
-    Attributes
-    ----------
-    convexity : (n,) array of float32
-        κ in [−1, 1].
-    magnitude, invariant : float
-        γ and α.
-    everywhere : bool
-        Whether surfaces also send on light that is scaled, or only show it.
-    """
-
-    convexity: Single
-    magnitude: float
-    invariant: float
-    everywhere: bool = False
-
-    def factor(self, delta: NDArray[Any]) -> Single:
-        """Return the scaling (n,) of light for which the reflectance mapping is ``delta``."""
-        return np.asarray(
-            scaling(self.convexity, delta, invariant=self.invariant, magnitude=self.magnitude),
-            np.float32,
-        )
-
-    def at(self, chosen: NDArray[np.int64]) -> Enhancement:
-        """Return that of some of the vertices."""
-        return self._replace(convexity=self.convexity[chosen])
 
 
 class ScaledTransfer:

@@ -11,9 +11,10 @@ from meshdepict.scene.environment import Environment
 from meshdepict.scene.light import Light
 from meshdepict.scene.material import HalfLambert, Lambert, LitSphere, Mirror
 from meshdepict.scene.view import View
+from meshdepict.shading.enhancement import Enhancement
 from meshdepict.shading.features import features
 from meshdepict.shading.radiance_scaling import radiance_scaling, scaling
-from meshdepict.shading.scaled_transfer import Enhancement, ScaledTransfer
+from meshdepict.shading.scaled_transfer import ScaledTransfer
 from meshdepict.transport.sky_cells import cell_directions
 
 SIDE = (-1.0, 0.2, 0.3)
