@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import signal
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from types import ModuleType
@@ -22,6 +23,10 @@ DATA = os.environ.get("MESHDEPICT_DATA")
 # Seconds until a test gives up on another program or thread. Only one that hangs takes them: on
 # two free cores none takes six, and some machines are busy and ten times slower.
 PATIENCE = 600
+
+# A shell's background jobs ignore Ctrl-C, and so would the programs that tests interrupt.
+if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+    signal.signal(signal.SIGINT, signal.default_int_handler)
 
 # A file of tests that takes anything from here by name draws.
 DRAWING = (
