@@ -76,7 +76,7 @@ CALLS: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {
     "Environment.irradiance": (SKY.irradiance, {}),
     "Environment.lookup": (SKY.lookup, {"directions": UP[0]}),
     "Light": (md.Light, {"direction": (0, 0, 1)}),
-    "Light.spread": (md.Light((0, 0, 1)).spread, {"radius": 3}),
+    "Light.disc": (md.Light((0, 0, 1), spread=3).disc, {"count": 3}),
     "View": (md.View, {"position": (0, 0, 1), "focus": (0, 0, 0), "up": (0, 1, 0)}),
     "View.fitted": (md.View.fitted, {"name": "front", "shape": BALL}),
     "TransferFunction": (TransferFunction, {"points": POINTS}),

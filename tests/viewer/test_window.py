@@ -240,7 +240,7 @@ def test_methods_go_round_and_the_panel_follows(window, hand, session):
     assert session.method == names[(start + 1) % len(names)]
     hand.key("M")
     assert session.method == "lambert"
-    assert window.scenery.panel.names == ["exposure"]
+    assert {*window.scenery.panel.names} == {"exposure", "shadows", "bounces", "rays"}
 
 
 def test_colour_maps_and_views_go_round(window, hand, session):
@@ -306,7 +306,7 @@ def test_sliders_set_options_and_show_them(window, session):
     panel.slide("exposure", 1.23456)
     assert session.options == {"exposure": 1.235}
     window.draw()
-    (_, widget, _, number), *_ = panel._sliders
+    widget, number = next((w, n) for c, w, _, n in panel._sliders if c.name == "exposure")
     assert number.GetInput() == "1.235"
     assert widget.GetRepresentation().GetValue() == pytest.approx(1.235)
     with pytest.raises(KeyError):
@@ -314,7 +314,8 @@ def test_sliders_set_options_and_show_them(window, session):
 
 
 def test_a_slider_is_dragged_with_the_pointer(window, hand, session):
-    slider = window.scenery.panel._sliders[0][1].GetRepresentation()
+    named = {control.name: widget for control, widget, *_ in window.scenery.panel._sliders}
+    slider = named["exposure"].GetRepresentation()
     ends = slider.GetPoint1Coordinate(), slider.GetPoint2Coordinate()
     a, b = (end.GetComputedDisplayValue(window.scenery._sheet) for end in ends)
     start = (round(a[0] + 0.25 * (b[0] - a[0])), a[1])
