@@ -33,6 +33,10 @@ from meshdepict.shapes.raster_extent import RasterExtent
 
 __all__ = ["HeightWindows", "Relief", "Shaded"]
 
+Floats = NDArray[np.float64]
+
+_CELLS = 1 << 22  # that are read at once where all heights are looked at
+
 
 class HeightWindows(Protocol):
     """A raster of heights of which windows can be read; see `io.terrain.Terrain`."""
@@ -103,11 +107,7 @@ class Relief:
         self._given: Any = terrain
         self._terrain = _InMemory(terrain) if isinstance(terrain, HeightField) else terrain
         self._memory = max_memory() if memory is None else memory
-        source = self._terrain
-        self.extent = RasterExtent(
-            source.rows, source.cols, source.transform, crs=source.crs, degrees=source.degrees,
-            unit=source.unit, name=str(source.attributes.get("source", "")),
-        )  # fmt: skip
+        self.extent = self._extent(look)
         chosen, look = look, look.of_kind(HEIGHTS)
         if look.refine is not None or look.albedo == "keep":
             word = "refine" if look.refine is not None else "albedo"
@@ -275,15 +275,43 @@ class Relief:
             return self._layered.reads(self._layered.ladders[0], self._scales)
         return self.look.reads(self._scales)
 
-    def _span(self) -> tuple[float, float]:
-        """Return the least and the largest height, in one pass over everything."""
+    def _extent(self, look: Choices) -> RasterExtent:
+        """Return where the terrain lies; with its heights where widths or lengths depend on them.
+
+        Shares of the diagonal and pixels of the view do, and are those of `bake`.
+        """
+        source, filled = self._terrain, None
+        if isinstance(look.width, str) and any(mark in look.width for mark in ("%", "px")):
+            rows, columns, low, high = self._filled
+            filled = rows, columns, low * look.z_factor, high * look.z_factor
+        return RasterExtent(
+            source.rows, source.cols, source.transform, crs=source.crs, degrees=source.degrees,
+            unit=source.unit, filled=filled, name=str(source.attributes.get("source", "")),
+        )  # fmt: skip
+
+    @functools.cached_property
+    def _filled(self) -> tuple[Floats, Floats, float, float]:
+        """Which rows and columns hold heights, and between what, in one pass over everything."""
+        source = self._terrain
+        rows, columns = np.zeros(source.rows, bool), np.zeros(source.cols, bool)
         low, high = np.inf, -np.inf
-        for window in self.cut.windows():
-            z, valid = self._terrain.read(window.rows, window.columns)
+        step = max(1, _CELLS // source.cols)
+        for top in range(0, source.rows, step):
+            span = slice(top, min(top + step, source.rows))
+            z, valid = source.read(span, slice(0, source.cols))
             if valid.any():
+                rows[span], columns = valid.any(axis=1), columns | valid.any(axis=0)
                 heights = z[valid]
                 low, high = min(low, float(heights.min())), max(high, float(heights.max()))
-        return low, high
+        if not rows.any():
+            name = source.attributes.get("source", "the terrain")
+            raise MeshdepictError(f"{name} holds no heights")
+        down, across = (np.flatnonzero(some).astype(np.float64) for some in (rows, columns))
+        return down, across, low, high
+
+    def _span(self) -> tuple[float, float]:
+        """Return the least and the largest height of the ground."""
+        return self._filled[2:]
 
     def _typical(self) -> Iterator[ChosenSamples]:
         """Yield the samples that numbers are fitted to, those of `HeightSpace.typical`."""

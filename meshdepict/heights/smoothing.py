@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshdepict.threads import each, kernel, spans, thread_count
+from meshdepict.voxels.gaussian_gradient import dot
 
 __all__ = ["alignment", "blurred", "halo", "reach_of"]
 
@@ -256,8 +257,7 @@ def _sweep_line(values, place, start, phase, weights, out, begin, end):  # type:
 
 @kernel("contracted")
 def _dot_line(values, place, start, phase, weights, out, begin, end):  # type: ignore[no-untyped-def]
-    """out[c, r, j] = Σ_t weights[r, phase[j], t] · line[start[j] + t], in four running sums."""
-    taps = weights.shape[2]
+    """out[c, r, j] = Σ_t weights[r, phase[j], t] · line[start[j] + t]."""
     line = np.empty(len(place), values.dtype)
     for c in range(len(values)):
         for r in range(begin, end):
@@ -265,16 +265,4 @@ def _dot_line(values, place, start, phase, weights, out, begin, end):  # type: i
                 line[i] = values[c, r, place[i]]
             row = weights[min(r, len(weights) - 1)]
             for j in range(len(start)):
-                w, at = row[phase[j]], start[j]
-                a = b = d = e = w[0] * 0
-                t = 0
-                while t + 4 <= taps:
-                    a += w[t] * line[at + t]
-                    b += w[t + 1] * line[at + t + 1]
-                    d += w[t + 2] * line[at + t + 2]
-                    e += w[t + 3] * line[at + t + 3]
-                    t += 4
-                while t < taps:
-                    a += w[t] * line[at + t]
-                    t += 1
-                out[c, r, j] = (a + b) + (d + e)
+                out[c, r, j] = dot(line, start[j], row[phase[j]])

@@ -5,8 +5,7 @@ from __future__ import annotations
 import os
 import warnings
 from collections import Counter
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING, Any
@@ -19,6 +18,7 @@ from meshdepict.files.any_numbers import any_numbers
 from meshdepict.files.limits import as_text, check_claim, max_memory
 from meshdepict.files.reach import regular
 from meshdepict.heights.cells import Transform
+from meshdepict.io.about_file import about_file
 from meshdepict.io.doubtful_heights import doubts
 from meshdepict.io.height_formats import open_source
 from meshdepict.io.height_source import INFINITE, HeightSource
@@ -31,11 +31,6 @@ if TYPE_CHECKING:
 __all__ = ["Paths", "Terrain"]
 
 Paths = str | os.PathLike[str] | Sequence[str | os.PathLike[str]]
-
-_VERBS = (
-    "is", "has", "holds", "lacks", "says", "names", "counts", "claims", "places", "resamples",
-    "declares", "takes", "needs",
-)  # fmt: skip
 
 
 class Terrain:
@@ -78,7 +73,8 @@ class Terrain:
         sources: list[HeightSource] = []
         try:
             for path in files:
-                with _named(path):
+                with about_file(path):
+                    regular(path)
                     sources.append(open_source(path, band, name))
                     if len(files) > 64:  # as many as are kept open
                         sources[-1].release()
@@ -95,7 +91,7 @@ class Terrain:
         self.unit = self._source.unit
         self.attributes: dict[str, Any] = dict(self._source.attributes) | {"source": self._name}
         try:
-            with _named(self._name), any_numbers():
+            with about_file(self._name), any_numbers():
                 notes = [note for source in sources for note in source.notes]
                 notes += doubts(self._source)
         except BaseException:
@@ -118,7 +114,7 @@ class Terrain:
 
     def check_whole(self) -> None:
         """Refuse to read all of it where so small a file can't honestly hold so many cells."""
-        with _named(self._name):
+        with about_file(self._name):
             check_claim(self.rows * self.cols * self.bytes_per_cell, self._source.size, "cells")
 
     def read(
@@ -139,7 +135,7 @@ class Terrain:
         down, across = _span(rows, self.rows, "rows"), _span(cols, self.cols, "cols")
         count = (down.stop - down.start) * (across.stop - across.start)
         needed = count * self.bytes_per_cell
-        with _named(self._name):
+        with about_file(self._name):
             if needed > max_memory():
                 raise MeshdepictError(
                     f"has {count:,} cells, which take more than the {as_text(max_memory())} of "
@@ -160,7 +156,7 @@ class Terrain:
 
         down, across = _span(rows, self.rows, "rows"), _span(cols, self.cols, "cols")
         z, valid = self.read(down, across)
-        with _named(self._name):
+        with about_file(self._name):
             if not valid.any():
                 raise MeshdepictError("holds no heights: all of its cells are no data")
             place = RasterPlace(
@@ -215,24 +211,3 @@ def _files(paths: Paths) -> list[Path]:
     if twice:
         raise MeshdepictError(f"{twice[0]} is named twice among the tiles")
     return found
-
-
-@contextmanager
-def _named(name: str | Path) -> Iterator[None]:
-    """Begin the sentences of what is wrong with a file with its name."""
-    try:
-        if isinstance(name, Path):
-            regular(name)
-        yield
-    except MeshdepictError as error:
-        text = str(error)
-        if text.startswith((str(name), repr(str(name)))):
-            raise
-        joint = " " if text.split(" ", 1)[0] in _VERBS else ": "
-        raise MeshdepictError(f"{name}{joint}{text}") from error
-    except PermissionError:
-        raise MeshdepictError(f"{name} may not be read: permission denied") from None
-    except OSError as error:
-        raise MeshdepictError(f"{name} could not be read: {error.strerror or error}") from error
-    except MemoryError:
-        raise MeshdepictError(f"{name} takes more memory than there is") from None

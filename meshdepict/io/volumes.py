@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike
 from meshdepict.errors import MeshdepictError, MeshdepictWarning
 from meshdepict.files.any_numbers import any_numbers
 from meshdepict.files.reach import regular
+from meshdepict.io.about_file import about_file
 from meshdepict.io.dicom_elements import looks_like_dicom
 from meshdepict.io.volume_contents import VolumeContents
 from meshdepict.io.volume_place import place
@@ -111,7 +112,7 @@ def read_volume(
     path = Path(path)
     check_tilt(tilt)
     regular(path)
-    try:
+    with about_file(path):
         kind = _kind(path)
         if series is not None and kind != "dicom":
             raise MeshdepictError("is no DICOM, so that there is no series to choose")
@@ -119,16 +120,6 @@ def read_volume(
             contents = _contents(path, kind, series, tilt)
             place(contents, spacing, kind, tilt)
             volume = _volume(contents, slope, intercept)
-    except MeshdepictError as error:
-        text = str(error)
-        joint = " " if text.split(" ", 1)[0] in _VERBS else ": "
-        raise MeshdepictError(f"{path}{joint}{text}") from error
-    except PermissionError:
-        raise MeshdepictError(f"{path} may not be read: permission denied") from None
-    except OSError as error:
-        raise MeshdepictError(f"{path} could not be read: {error.strerror or error}") from error
-    except MemoryError:
-        raise MeshdepictError(f"{path} takes more memory than there is") from None
     if contents.notes:
         warnings.warn(f"{path}: {'; '.join(contents.notes)}", MeshdepictWarning, stacklevel=2)
     return volume
@@ -155,18 +146,6 @@ def _volume(contents: VolumeContents, slope: float | None, intercept: float | No
                 "are"
             )
     return volume
-
-
-_VERBS = (
-    "is",
-    "has",
-    "holds",
-    "lacks",
-    "says",
-    "names",
-    "counts",
-    "claims",
-)  # sentences whose subject is the file
 
 
 def write_volume(

@@ -17,6 +17,7 @@ from meshdepict.errors import MeshdepictError
 from meshdepict.options import real
 from meshdepict.scene.vectors import frozen
 from meshdepict.shapes.fingerprint import fingerprint
+from meshdepict.shapes.raster_extent import RasterBox
 from meshdepict.shapes.raster_place import RasterPlace
 from meshdepict.shapes.summary import height_rows
 from meshdepict.shapes.table import html_table
@@ -29,7 +30,7 @@ __all__ = ["HeightField", "window_of"]
 Floats = NDArray[np.float64]
 
 
-class HeightField(RasterPlace):
+class HeightField(RasterBox):
     """Samples at the cells of a raster that hold a height.
 
     Parameters
@@ -71,9 +72,6 @@ class HeightField(RasterPlace):
         For what has not rows and columns of numbers, no valid cell, sheared or empty cells, degrees
         that are none, and infinite heights that are said to be valid.
     """
-
-    kind = "height field"
-    length_unit = "m"
 
     def __init__(
         self,
@@ -223,45 +221,11 @@ class HeightField(RasterPlace):
         east, north = self.place(rows.astype(np.float64), columns.astype(np.float64))
         return frozen(np.stack([east, north, self.z[self.valid].astype(np.float64)], axis=1))
 
-    @cached_property
-    def _box(self) -> tuple[Floats, Floats]:
-        """Least and largest coordinates (3,) of the samples."""
+    def _filled(self) -> tuple[Floats, Floats, float, float]:
         rows = np.flatnonzero(self.valid.any(axis=1)).astype(np.float64)
         columns = np.flatnonzero(self.valid.any(axis=0)).astype(np.float64)
-        y, x = (grid.ravel() for grid in np.meshgrid(rows[[0, -1]], columns[[0, -1]]))
-        if self.degrees:  # the widest row may be any
-            y, x = np.repeat(rows, 2), np.tile(columns[[0, -1]], len(rows))
-        east, north = self.place(y, x)
-        z = self.z[self.valid] if not self.whole else self.z
-        return (
-            np.array([east.min(), north.min(), float(z.min())]),
-            np.array([east.max(), north.max(), float(z.max())]),
-        )
-
-    @cached_property
-    def outline(self) -> Floats:
-        """(8, 3) corners of the box about the samples."""
-        ends = np.stack(self._box)
-        which = np.array([[i >> 2 & 1, i >> 1 & 1, i & 1] for i in range(8)])
-        return frozen(np.stack([ends[which[:, axis], axis] for axis in range(3)], axis=1))
-
-    @cached_property
-    def centre(self) -> Floats:
-        """(3,) middle of that box."""
-        low, high = self._box
-        return frozen(low / 2 + high / 2)
-
-    @cached_property
-    def diagonal(self) -> float:
-        """Its diagonal, in metres."""
-        low, high = self._box
-        largest = float((high - low).max())
-        return largest and largest * float(np.linalg.norm((high - low) / largest))
-
-    def recentred(self, points: Floats) -> Floats:
-        """Return positions (…, 3) relative to the centre, in diagonals."""
-        moved: Floats = (points - self.centre) / (self.diagonal or 1.0)
-        return moved
+        z = self.z if self.whole else self.z[self.valid]
+        return rows, columns, float(z.min()), float(z.max())
 
     @cached_property
     def identity(self) -> str:

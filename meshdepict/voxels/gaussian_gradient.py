@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from meshdepict.threads import each, kernel, spans, thread_count
 from meshdepict.voxels.gaussian_bands import Band
 
-__all__ = ["at_voxels", "normalise", "resample"]
+__all__ = ["at_voxels", "dot", "normalise", "resample"]
 
 # No reordering of sums: a grid in slabs must give the numbers of a whole one.
 
@@ -50,7 +50,7 @@ def _sweep(rows, start, weights, out, begin, end):  # type: ignore[no-untyped-de
 
 
 @kernel("contracted")
-def _dot(line, start, weights):  # type: ignore[no-untyped-def]
+def dot(line, start, weights):  # type: ignore[no-untyped-def]
     """Σ_t weights[t] line[start + t], in four running sums."""
     taps = len(weights)
     a = b = c = d = weights[0] * 0  # zero of the right type; the line may be empty at its ends
@@ -87,7 +87,7 @@ def _resample(block, zs, zw, ys, yw, xs, xw, out, begin, end):  # type: ignore[n
         for y in range(len(ys)):
             _sweep(rows, ys[y], yw[y], line, 0, nx)
             for x in range(len(xs)):
-                out[z, y, x] = _dot(line, xs[x], xw[x])
+                out[z, y, x] = dot(line, xs[x], xw[x])
 
 
 def at_voxels(
@@ -152,7 +152,7 @@ def _at_voxels(block, zs, zw, ys, yw, xs, xw, pairs, triples, rows, columns, out
                 line, weights = lines[triples[k, 0]], xw[triples[k, 1]]
                 for i in range(a, b):
                     x = columns[i]
-                    out[k, i] = _dot(line, xs[x], weights[x])
+                    out[k, i] = dot(line, xs[x], weights[x])
 
 
 def normalise(

@@ -203,3 +203,19 @@ def test_what_is_fitted_to_one_large_window_is_fitted_to_blocks_of_it(monkeypatc
     relief = Relief(field, Look(), memory=1e9)
     assert len(relief.cut) == 1
     assert relief.look.options == md.bake(field).look.options
+
+
+@pytest.mark.parametrize("kind", ["metres", "degrees"])
+@pytest.mark.parametrize("width", ["0.2%", "1px", "0.1%,1px"])
+def test_widths_of_the_whole_are_those_of_a_bake(kind, width):
+    field = ground(kind)
+    valid = field.valid.copy()
+    valid[:90, :] = valid[:, 500:] = False  # the box is that of the heights
+    field = HeightField(
+        np.where(valid, 9 * field.z, np.nan), transform=field.transform, degrees=field.degrees
+    )
+    words = {"width": width, "scales": 3, "z_factor": 2.0}
+    baked, relief = md.bake(field, **words), Relief(field, Look(**words), memory=7e7)
+    assert len(relief.cut) > 1
+    assert np.array_equal(relief.widths, baked.space.widths)
+    assert np.array_equal(shaded(relief)[0], field.image(baked.colors))
