@@ -15,6 +15,7 @@ from meshdepict.surface.mesh_input import is_drawable
 from meshdepict.surface.polygons import FacesLike
 
 if TYPE_CHECKING:
+    from meshdepict.shapes.textures import Textures
     from meshdepict.surface.polygons import Polygons
 
 __all__ = [
@@ -71,6 +72,16 @@ class Document:
     @property
     def own_normals(self) -> tuple[NDArray[np.float64], NDArray[np.int64]] | None:
         """(t, 3) normals, and which of them each corner has (−1: none), or None."""
+        return None
+
+    def textures(self, corners: NDArray[np.int64]) -> Textures | None:
+        """Return what the file lays on its triangles, or None.
+
+        Parameters
+        ----------
+        corners : (m, 3) array
+            Which of the corners of the file's polygons those of the triangles are.
+        """
         return None
 
     @property
