@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Mapping
+from copy import copy
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -200,6 +201,24 @@ class Mesh(Geometry):
     def texcoords(self) -> NDArray[np.float64] | None:
         """(m, 3, 2) texture coordinates of the triangles' corners, v up; None without textures."""
         return None if self.textures is None else self.textures.texcoords
+
+    def with_textures(self, textures: Textures) -> Mesh:
+        """Return the mesh with other textures in place of those that it has.
+
+        Raises
+        ------
+        MeshdepictError
+            For textures of another number of triangles.
+        """
+        if len(textures.material) != len(self.faces):
+            raise MeshdepictError(
+                f"textures of {len(textures.material):,} triangles don't fit a mesh of "
+                f"{len(self.faces):,}"
+            )
+        other = copy(self)
+        vars(other).pop("textures", None)
+        other._textures = textures
+        return other
 
     # --- other faces ------------------------------------------------------------------------
 
