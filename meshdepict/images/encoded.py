@@ -13,7 +13,7 @@ from meshdepict.errors import MeshdepictError
 from meshdepict.files.limits import check_claim
 from meshdepict.files.pictures import ODD
 
-__all__ = ["KINDS", "decode", "encode", "kind_of"]
+__all__ = ["KINDS", "decode", "encode", "is_color", "kind_of"]
 
 KINDS = {
     "png": ("image/png", ".png"),
@@ -67,6 +67,25 @@ def decode(data: bytes) -> NDArray[Any]:
             said = " ".join(str(error).split()) or type(error).__name__
             said = "no kind of picture that is known" if "BytesIO" in said else said
             raise MeshdepictError(f"can't be read as a picture ({said:.120})") from None
+
+
+def is_color(data: bytes) -> bool:
+    """Whether a picture has three channels or more; its pixels aren't read.
+
+    Raises
+    ------
+    MeshdepictError
+        As `decode`, as far as the beginning tells.
+    """
+    from PIL import Image
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        try:
+            with Image.open(io.BytesIO(data)) as image:
+                return image.mode in ("RGB", "RGBA", "RGBX", "YCbCr", "CMYK", "LAB", "HSV")
+        except (*ODD, OSError, ValueError, Image.DecompressionBombError):
+            raise MeshdepictError("can't be read as a picture") from None
 
 
 def _check_size(size: tuple[int, int], length: int) -> None:

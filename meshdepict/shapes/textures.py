@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import warnings
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
@@ -9,10 +11,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from meshdepict.errors import MeshdepictError
+from meshdepict.errors import MeshdepictError, MeshdepictWarning
 from meshdepict.images.encoded import decode
 
-__all__ = ["WRAPS", "Texture", "Textures"]
+__all__ = ["WRAPS", "Texture", "Textures", "laid_textures"]
 
 Floats = NDArray[np.float64]
 
@@ -37,7 +39,7 @@ class Texture:
     wrap : (str, str)
         Along u and v, each one of `WRAPS`.
     fault : str
-        Why there is no picture, a clause whose subject is the texture; "" where there is one.
+        Why there is no picture, a clause whose subject is the mesh's file; "" where there is one.
     """
 
     name: str
@@ -56,7 +58,8 @@ class Texture:
             Where the picture can't be had, or can't be read: one sentence.
         """
         if self.encoded is None:
-            raise MeshdepictError(f"the texture {self.name!r} {self.fault or 'is not there'}")
+            fault = self.fault or f"holds no picture for the texture {self.name!r}"
+            raise MeshdepictError(f"the mesh's file {fault}")
         try:
             found = decode(self.encoded)
         except MeshdepictError as error:
@@ -138,6 +141,8 @@ class Textures:
         What x and y of each normal map are multiplied by.
     normal_texcoords : (m, 3, 2) array or None
         Where normal maps have coordinates of their own.
+    tinted : bool
+        Whether colours of vertices multiply the textures, as glTF's do; else they stand for them.
     """
 
     texcoords: Floats
@@ -147,6 +152,7 @@ class Textures:
     normal_maps: tuple[Texture | None, ...]
     normal_scales: Floats
     normal_texcoords: Floats | None = None
+    tinted: bool = False
 
     def __post_init__(self) -> None:
         """Check that all parts fit together.
@@ -198,3 +204,55 @@ class Textures:
                 linear = srgb_to_linear(found[chosen]) * factor
                 found[chosen] = linear_to_srgb(np.clip(linear, 0, 1))
         return found
+
+
+def laid_textures(
+    texcoords: Floats,
+    material: NDArray[Any],
+    base_colors: Sequence[Texture | None],
+    factors: Floats,
+    normal_maps: Sequence[Texture | None],
+    normal_scales: Floats,
+    normal_texcoords: Floats | None = None,
+    *,
+    tinted: bool = False,
+) -> Textures | None:
+    """Return `Textures` of what a file says, right or wrong; None where it lays none anywhere.
+
+    Coordinates that are NaN or infinite mean that a corner has none: its triangle has no texture,
+    which is said where its material has one. What is no number of a material is none.
+    """
+    own = np.where((material >= 0) & (material < len(base_colors)), material, -1).astype(np.int64)
+    has = [
+        np.array([texture is not None for texture in each] + [False], bool)[own]
+        for each in (base_colors, normal_maps)
+    ]
+    if normal_texcoords is None:
+        bad = ~np.isfinite(texcoords).all(axis=(1, 2)) & (has[0] | has[1])
+    else:
+        wrong = [~np.isfinite(uv).all(axis=(1, 2)) for uv in (texcoords, normal_texcoords)]
+        bad = (wrong[0] & has[0]) | (wrong[1] & has[1])
+        # Where only one of the two is laid, its coordinates serve for both.
+        texcoords = np.where(has[0][:, None, None], texcoords, normal_texcoords)
+        normal_texcoords = np.where(has[1][:, None, None], normal_texcoords, texcoords)
+    laid = (has[0] | has[1]) & ~bad
+    if bad.any():
+        what = "all" if not laid.any() else f"{np.count_nonzero(bad):,}"
+        warnings.warn(
+            f"{what} triangles with a texture have no coordinates in it, or such as are no "
+            "numbers: they are shown without",
+            MeshdepictWarning,
+            stacklevel=2,
+        )
+    if not laid.any():
+        return None
+    own[bad] = -1
+    texcoords = np.where(np.isfinite(texcoords), texcoords, 0.0)
+    if normal_texcoords is not None:
+        normal_texcoords = np.where(np.isfinite(normal_texcoords), normal_texcoords, 0.0)
+        if np.array_equal(texcoords, normal_texcoords):
+            normal_texcoords = None
+    return Textures(
+        texcoords, own, tuple(base_colors), factors, tuple(normal_maps), normal_scales,
+        normal_texcoords, tinted=tinted,
+    )  # fmt: skip
