@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from meshdepict.baking.provenance import comment_lines
 from meshdepict.errors import MeshdepictError
+from meshdepict.io.textured import TEXTURED
 
 if TYPE_CHECKING:
     from meshdepict.baking.atlases import Atlas
@@ -29,15 +30,13 @@ MAPS = {
 }
 """What a texture may show."""
 
-_MESHES = (".glb", ".gltf", ".obj", ".ply")
-
 
 def check_texture(path: str | Path, map_kind: str = "color") -> None:
     """Refuse to write a texture into a file of another kind, before any work is done."""
     suffix = Path(path).suffix.lower()
-    if suffix != ".png" and suffix not in _MESHES:
+    if suffix != ".png" and suffix not in TEXTURED:
         raise MeshdepictError(
-            f"{path}: textures are saved with their mesh as {', '.join(_MESHES)}, or alone as .png"
+            f"{path}: textures are saved with their mesh as {', '.join(TEXTURED)}, or alone as .png"
         )
     if suffix != ".png" and map_kind != "color":
         raise MeshdepictError(
@@ -146,9 +145,9 @@ class BakedTexture:
             with atomic_write(path) as file:
                 self._write_picture(file)
         else:
-            from meshdepict.io import write_mesh
+            from meshdepict.io.textured import write_textured
 
-            write_mesh(path, self.mesh, comments=self.comments)
+            write_textured(path, self.mesh, comments=self.comments, mipmaps=self._atlas.mipmaps)
         return Path(path)
 
     def _write_picture(self, file: Any) -> None:

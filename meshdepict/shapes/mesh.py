@@ -195,7 +195,13 @@ class Mesh(Geometry):
         polygons = self.polygons or as_polygons(self.faces)
         if not self.document.describes(None, polygons):
             return None
-        return self.document.textures(polygon_corners(self.faces, self._owner, polygons))
+        return self.document.textures(self.triangle_corners)
+
+    @property
+    def triangle_corners(self) -> NDArray[np.int64]:
+        """(m, 3) which of all polygons' corners, counted one after the other, triangles have."""
+        polygons = self.polygons or as_polygons(self.faces)
+        return polygon_corners(self.faces, self._owner, polygons)
 
     @property
     def texcoords(self) -> NDArray[np.float64] | None:
