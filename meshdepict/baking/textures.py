@@ -17,7 +17,7 @@ from meshdepict.baking.choice_list import LADDER, MESH, SIDES
 from meshdepict.baking.choices import Choices, takes_choices
 from meshdepict.baking.layers import Layered
 from meshdepict.baking.look import Look
-from meshdepict.baking.provenance import describe
+from meshdepict.baking.provenance import describe, was_baked
 from meshdepict.baking.sample_shading import SampleShading
 from meshdepict.baking.sheets import warn_of_backs
 from meshdepict.baking.surfaces import as_mesh, own_colors, with_choices
@@ -28,6 +28,7 @@ from meshdepict.files.limits import as_text, max_memory
 from meshdepict.options import real
 from meshdepict.scales.making import scale_space
 from meshdepict.scales.mapped_normals import TangentFrames
+from meshdepict.shapes.colors import vertex_colors
 
 if TYPE_CHECKING:
     from meshdepict.baking.finer_surface import FinerSurface
@@ -322,18 +323,31 @@ def _normal_maps(
 
 def _albedo(mesh: Mesh, textures: Textures | None) -> Callable[[Places], NDArray[Any]]:
     """Return what gives the mesh's own colours at places: its textures', else its vertices'."""
-    if textures is not None and any(each is not None for each in textures.base_colors):
-        for texture in textures.base_colors:
-            if texture is not None:
-                _ = texture.pixels  # says what is wrong before any work is done
-        return lambda places: textures.colors(places.shaded_triangle, places.shaded_weights)
-    linear = color.srgb_to_linear(own_colors(mesh) / np.float32(255))
+    laid = textures if textures is not None and any(textures.base_colors) else None
+    linear = None
+    if laid is None:
+        linear = color.srgb_to_linear(own_colors(mesh) / np.float32(255))
+    else:
+        for texture in laid.base_colors:
+            try:
+                _ = None if texture is None else texture.pixels
+            except MeshdepictError as error:  # before any work is done
+                raise MeshdepictError(f"albedo='keep' needs what can't be had: {error}") from error
+        found = vertex_colors(mesh, baked=was_baked(mesh), faces=False)
+        if laid.tinted and found is not None:
+            linear = color.srgb_to_linear(found / np.float32(255))
 
-    def of_vertices(places: Places) -> NDArray[Any]:
-        at = linear[mesh.faces[places.shaded_triangle]]
-        return color.linear_to_srgb(np.einsum("nc,ncx->nx", places.shaded_weights, at))
+    def colors(places: Places) -> NDArray[Any]:
+        found = np.ones(1, np.float32)
+        if linear is not None:
+            at = linear[mesh.faces[places.shaded_triangle]]
+            found = np.einsum("nc,ncx->nx", places.shaded_weights, at)
+        if laid is not None:
+            painted = laid.colors(places.shaded_triangle, places.shaded_weights)
+            found = found * color.srgb_to_linear(painted)
+        return np.asarray(color.linear_to_srgb(found))
 
-    return of_vertices
+    return colors
 
 
 def _painter(

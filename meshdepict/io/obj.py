@@ -129,7 +129,7 @@ def decode(data: bytes, path: Path) -> Contents:
     )
     texture = table(lines, b"vt", least=1)
     texture = np.concatenate((texture, np.zeros_like(texture)), axis=1)[:, :2]  # v is 0 by default
-    proper: NDArray[np.bool_] = np.isfinite(texture).all(axis=1)
+    proper = np.asarray(np.isfinite(texture).all(axis=1))
     texture[~proper] = 0
     colors = after_position(numbers[:, 3:], w_first=True)
     attributes = {}

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import accumulate
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -17,7 +18,9 @@ from meshdepict.io.ply_grid import grid_of, grid_triangles
 from meshdepict.io.ply_header import POSITION, Element, Header
 from meshdepict.io.ply_rows import Column, Ragged, as_ragged
 from meshdepict.io.ply_text import decode_text, reflowed
+from meshdepict.io.ply_textures import has_coordinates, picture_names, ply_textures
 from meshdepict.shapes.document import Document, same_vertices
+from meshdepict.shapes.textures import Textures
 from meshdepict.surface.polygons import Polygons, as_polygons, strip_triangles, whole_numbers
 
 __all__ = [
@@ -47,6 +50,22 @@ class PlyDocument(Document):
 
     header: Header
     data: bytes
+    folder: Path
+    formats: tuple[str, ...] = (".ply",)
+
+    @property
+    def is_textured(self) -> bool:
+        """Whether the file names pictures, and has coordinates in them."""
+        return bool(picture_names(self.header)) and has_coordinates(self.header)
+
+    @any_numbers()
+    def textures(self, corners: NDArray[np.int64]) -> Textures | None:
+        """Return what the file lays on its triangles, or None."""
+        if not self.is_textured or self.has_strips:
+            return None
+        sections = split_sections(self.header, self.data)[0]
+        polygons = as_polygons(geometry_of(self.header, sections)[1])
+        return ply_textures(self.header, sections, self.texcoords, polygons, self.folder, corners)
 
     @property
     @any_numbers()

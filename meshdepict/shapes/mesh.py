@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from copy import copy
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -55,8 +55,8 @@ class Mesh(Geometry):
         What the coordinates are measured in, "m" or "mm" for instance; empty where unknown.
     groups : (n,) array of int, optional
         Which vertices share a normal, numbered from 0 without gaps; found by position unless given.
-    textures : Textures, optional
-        In place of those of the file.
+    textures : Textures, or a function that returns them, optional
+        In place of those of the file. A function is called when they are asked for.
 
     Raises
     ------
@@ -77,7 +77,7 @@ class Mesh(Geometry):
         document: object = None,
         length_unit: str = "",
         groups: NDArray[np.int64] | None = None,
-        textures: Textures | None = None,
+        textures: Textures | Callable[[], Textures | None] | None = None,
     ) -> None:
         self.vertices = as_vertices(vertices)
         polygons = as_polygons(faces)
@@ -111,12 +111,7 @@ class Mesh(Geometry):
         self.document = document
         self.length_unit = length_unit
         self._groups = None if groups is None else checked_groups(groups, len(self.vertices))
-        if textures is not None and len(textures.material) != len(self.faces):
-            raise MeshdepictError(
-                f"textures of {len(textures.material):,} triangles don't fit a mesh of "
-                f"{len(self.faces):,}"
-            )
-        self._textures = textures
+        self._textures = textures if textures is None or callable(textures) else self._fit(textures)
         for array in (self.vertices, self.faces, self._owner, *polygons):
             array.setflags(write=False)
 
@@ -190,6 +185,9 @@ class Mesh(Geometry):
         Nothing of them is read before they are asked for, and no picture is decoded before its
         pixels are.
         """
+        if callable(self._textures):
+            found = self._textures()
+            return None if found is None else self._fit(found)
         if self._textures is not None or not isinstance(self.document, Document):
             return self._textures
         polygons = self.polygons or as_polygons(self.faces)
@@ -202,6 +200,15 @@ class Mesh(Geometry):
         """(m, 3) which of all polygons' corners, counted one after the other, triangles have."""
         polygons = self.polygons or as_polygons(self.faces)
         return polygon_corners(self.faces, self._owner, polygons)
+
+    def _fit(self, textures: Textures) -> Textures:
+        """Return textures that fit the mesh's triangles."""
+        if len(textures.material) != len(self.faces):
+            raise MeshdepictError(
+                f"textures of {len(textures.material):,} triangles don't fit a mesh of "
+                f"{len(self.faces):,}"
+            )
+        return textures
 
     @property
     def texcoords(self) -> NDArray[np.float64] | None:
@@ -216,14 +223,8 @@ class Mesh(Geometry):
         MeshdepictError
             For textures of another number of triangles.
         """
-        if len(textures.material) != len(self.faces):
-            raise MeshdepictError(
-                f"textures of {len(textures.material):,} triangles don't fit a mesh of "
-                f"{len(self.faces):,}"
-            )
         other = copy(self)
-        vars(other).pop("textures", None)
-        other._textures = textures
+        vars(other)["textures"] = other._textures = self._fit(textures)
         return other
 
     # --- other faces ------------------------------------------------------------------------

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
@@ -176,6 +176,25 @@ class Textures:
         for array in (self.texcoords, self.normal_texcoords):
             if array is not None and not np.isfinite(array).all():
                 raise MeshdepictError("texture coordinates are NaN or infinite")
+
+    def parts(self, owner: NDArray[np.int64], shares: Floats) -> Textures:
+        """Return the textures of parts of the triangles.
+
+        Parameters
+        ----------
+        owner : (k,) array
+            The triangle that each part belongs to.
+        shares : (k, 3, 3) array
+            Where its corners lie there, in barycentric coordinates.
+        """
+        uv, normal_uv = (
+            None if each is None else np.einsum("kco,koi->kci", shares, each[owner])
+            for each in (self.texcoords, self.normal_texcoords)
+        )
+        assert uv is not None
+        return replace(
+            self, texcoords=uv, material=self.material[owner], normal_texcoords=normal_uv
+        )
 
     def colors(self, faces: ArrayLike, weights: ArrayLike) -> NDArray[np.float32]:
         """Return the base colours (n, 3) as sRGB in [0, 1] at places within triangles.
