@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import threading
+import warnings
 from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from meshdepict.errors import MeshdepictError
+from meshdepict.errors import MeshdepictError, MeshdepictWarning
 from meshdepict.shapes.lengths import resolve_width
 from meshdepict.surface.closest_points import ClosestPoints
 from meshdepict.transport.rays import ray_scene
@@ -64,6 +65,21 @@ class FinerSurface:
         self._counting = threading.Lock()
         ray_scene(finer)  # once, and not by every thread
         _ = finer.outward_faces
+
+    def begin(self) -> None:
+        """Count from the beginning."""
+        self.misses = self.texels = 0
+
+    def tell(self) -> None:
+        """Say how many texels look past the finer mesh."""
+        if self.misses:
+            warnings.warn(
+                f"{self.misses:,} of {self.texels:,} texels met nothing of the finer mesh within "
+                f"{self.cage:.4g} along their normals: they take its closest point (a larger "
+                "--cage meets more)",
+                MeshdepictWarning,
+                stacklevel=4,
+            )
 
     @property
     def described(self) -> str:

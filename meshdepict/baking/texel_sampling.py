@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from meshdepict.errors import MeshdepictError, MeshdepictWarning
 from meshdepict.images.gutters import fill_gutters
-from meshdepict.scales.mapped_normals import mapped_normals
+from meshdepict.scales.mapped_normals import TangentFrames, mapped_normals
 from meshdepict.scales.space import ScaleSpace
 from meshdepict.scales.texel_scales import TexelSpace
 from meshdepict.threads import each
@@ -19,11 +21,10 @@ if TYPE_CHECKING:
     from meshdepict.baking.atlases import Atlas
     from meshdepict.baking.finer_surface import FinerSurface
     from meshdepict.scales.ladder import Progress
-    from meshdepict.scales.mapped_normals import TangentFrames
     from meshdepict.shapes.mesh import Mesh
     from meshdepict.shapes.textures import Textures
 
-__all__ = ["Places", "TexelSampling"]
+__all__ = ["Ladder", "Paint", "Places", "TexelSampling", "usable_normal_maps"]
 
 Ladder = tuple[int, float]
 Bytes = NDArray[np.uint8]
@@ -67,6 +68,8 @@ class TexelSampling:
         Its normal maps.
     finer : FinerSurface, optional
         What finds places on a finer mesh, which then is the one that is shaded.
+    albedo : callable (places) → (n, 3) array, optional
+        The mesh's own colours, sRGB in [0, 1].
     """
 
     mesh: Mesh
@@ -74,6 +77,16 @@ class TexelSampling:
     spaces: Mapping[Ladder, ScaleSpace]
     mapped: tuple[TangentFrames, Textures] | None = None
     finer: FinerSurface | None = None
+    albedo: Callable[[Places], NDArray[Any]] | None = None
+
+    @property
+    def described(self) -> str:
+        """In words for provenance."""
+        size = self.atlas.size
+        said = f"{size} x {size} texels, atlas {self.atlas.kind}"
+        if self.mapped is not None:
+            said += ", normals of its normal map"
+        return said if self.finer is None else f"{said}, detail {self.finer.described}"
 
     def image(self, paint: Paint, *, progress: Progress | None = None) -> Bytes:
         """Return the picture (size, size, 3) whose texels get the colours that `paint` returns.
@@ -90,6 +103,8 @@ class TexelSampling:
         size, bands = self.atlas.size, self.atlas.bands
         image, inside = np.zeros((size, size, 3), np.uint8), np.zeros((size, size), bool)
         finished = 0
+        if self.finer is not None:
+            self.finer.begin()
 
         def work(begin: int, end: int) -> None:
             texels = self.atlas.grid.texels(begin, end)
@@ -106,6 +121,8 @@ class TexelSampling:
                 progress(finished, len(bands))
 
         each(work, bands, done)
+        if self.finer is not None:
+            self.finer.tell()
         fill_gutters(image, inside, self.atlas.gutter)
         return image
 
@@ -124,3 +141,28 @@ class TexelSampling:
             ladder: TexelSpace(space, places.corners, places.shaded_weights, normals=normals)
             for ladder, space in self.spaces.items()
         }
+
+
+def usable_normal_maps(
+    textures: Textures | None, mesh: Mesh, spaces: Mapping[Ladder, ScaleSpace]
+) -> tuple[TangentFrames, Textures] | None:
+    """Return the normal maps of a mesh with the frames that they refer to, if it has any."""
+    if textures is None or not any(each is not None for each in textures.normal_maps):
+        return None
+    kept = []
+    for texture in textures.normal_maps:
+        try:
+            if texture is not None:
+                _ = texture.pixels
+            kept.append(texture)
+        except MeshdepictError as error:
+            warnings.warn(f"{error}: shaded without it", MeshdepictWarning, stacklevel=3)
+            kept.append(None)
+    if not any(each is not None for each in kept):
+        return None
+    textures = replace(textures, normal_maps=tuple(kept))
+    texcoords = textures.texcoords
+    if textures.normal_texcoords is not None:
+        texcoords = textures.normal_texcoords
+    normals = next(iter(spaces.values())).normals_at(0)
+    return TangentFrames(mesh, normals, texcoords), textures

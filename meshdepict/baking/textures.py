@@ -7,40 +7,34 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-from numpy.typing import NDArray
-
-from meshdepict import color
 from meshdepict.baking.atlases import Atlas, atlas_of
 from meshdepict.baking.baked_texture import MAPS, BakedTexture
 from meshdepict.baking.choice_list import LADDER, MESH, SIDES
 from meshdepict.baking.choices import Choices, takes_choices
+from meshdepict.baking.clipping import warn_of_clipping
 from meshdepict.baking.layers import Layered
 from meshdepict.baking.look import Look
-from meshdepict.baking.provenance import describe, was_baked
+from meshdepict.baking.provenance import describe
 from meshdepict.baking.sample_shading import SampleShading
 from meshdepict.baking.sheets import warn_of_backs
-from meshdepict.baking.surfaces import as_mesh, own_colors, with_choices
-from meshdepict.baking.texel_sampling import Places, TexelSampling
+from meshdepict.baking.surfaces import as_mesh, with_choices
+from meshdepict.baking.texel_painting import normal_painter, own_texel_colors, shading_painter
+from meshdepict.baking.texel_sampling import Ladder, TexelSampling, usable_normal_maps
 from meshdepict.baking.tinting import heights_of, tinted
-from meshdepict.errors import MeshdepictError, MeshdepictWarning
+from meshdepict.errors import MeshdepictError
 from meshdepict.files.limits import as_text, max_memory
 from meshdepict.options import real
 from meshdepict.scales.making import scale_space
 from meshdepict.scales.mapped_normals import TangentFrames
-from meshdepict.shapes.colors import vertex_colors
+from meshdepict.scene.environment import Environment
 
 if TYPE_CHECKING:
-    from meshdepict.baking.finer_surface import FinerSurface
     from meshdepict.scales.ladder import Progress
     from meshdepict.scales.space import ScaleSpace
     from meshdepict.shapes.mesh import Mesh
     from meshdepict.shapes.textures import Textures
 
 __all__ = ["MOST_TEXELS", "SIZE", "bake_texture", "texture_look"]
-
-Ladder = tuple[int, float]
-Bytes = NDArray[np.uint8]
 
 SIZE = 4096
 """Texels along the side of a texture unless somebody says otherwise."""
@@ -174,117 +168,135 @@ def texture_of(
         with warnings.catch_warnings():  # coordinates that were lost are replaced
             warnings.filterwarnings("ignore", "texture coordinates are lost")
             mesh = mesh.as_triangles()
-    setting = _Setting(mesh, found, map_kind, given)
-    return setting.shaded_by(look, detail, cage, progress)
+    texture = _Texture(mesh, found, map_kind, look)
+    return texture.shaded(texture.sampling(given, detail, cage, progress), look, progress)
 
 
 @dataclass(frozen=True, eq=False)
-class _Setting:
-    """A mesh and where its triangles lie in a texture."""
+class _Texture:
+    """A mesh, where its triangles lie in a texture, and what that is to show.
+
+    Attributes
+    ----------
+    mesh : Mesh
+    atlas : Atlas
+    map_kind : str
+        One of `MAPS`.
+    chosen : Choices
+        As somebody chose them.
+    """
 
     mesh: Mesh
     atlas: Atlas
     map_kind: str
-    textures: Textures | None
+    chosen: Choices
 
-    def shaded_by(
-        self, look: Choices, detail: object, cage: float | str | None, progress: Progress | None
-    ) -> BakedTexture:
-        """Make scale spaces for a look, and shade."""
-        chosen = look
-        look = look.of_kind(MESH)
-        whole, textures = self.mesh, self.textures
-        finer: FinerSurface | None = None
+    def sampling(
+        self,
+        textures: Textures | None,
+        detail: object,
+        cage: float | str | None,
+        progress: Progress | None,
+    ) -> TexelSampling:
+        """Make the scale spaces that texels are samples of.
+
+        Parameters
+        ----------
+        textures : Textures or None
+            Those that the mesh came with.
+        detail, cage, progress
+            As for `bake_texture`.
+        """
+        whole, finer = self.mesh, None
         if detail is not None:
             from meshdepict.baking.finer_surface import FinerSurface
 
             whole = as_mesh(detail)
-            textures = whole.textures
             finer = FinerSurface(self.mesh, whole, cage)
+            textures = whole.textures
+        look = self.chosen.of_kind(MESH)
         shaded = with_choices(whole, look)
-        look = look.posed(shaded)
-        eye = look.eye(shaded)
+        shading = self._shading(self.chosen, shaded)
+        look = shading.look
+        ladders = {*shading.ladders}
         if self.map_kind == "normal":
-            last = 0 if chosen.scales is None else chosen.scales
-            look = look.replace(method="lambert", scales=last)
-        layered = None
-        if look.blend is not None:
-            layered = Layered(chosen.replace(view=look.view, up=look.up), MESH)
-        shading = SampleShading(look, look.lighting(eye, MESH), eye, layered)
+            ladders = {(self.chosen.scales or 0, look.ladder[1])}
         spaces: dict[Ladder, ScaleSpace] = {}
-        ladders = {(last, look.ladder[1])} if self.map_kind == "normal" else {*shading.ladders}
         for ladder in ladders:
             spaces[ladder] = space = scale_space(
                 shaded, scales=ladder[0], ratio=ladder[1], width=look.width, facing=look.facing,
-                tolerance=look.tolerance, view=eye, at_once=(),
+                tolerance=look.tolerance, view=shading.eye, at_once=(),
             )  # fmt: skip
             if self.map_kind == "normal":
                 space.smooth((space.last,), progress=progress)
             else:
                 _prepare(space, shading.reads(ladder, space.last), progress)
-        mapped = None if finer is not None else _normal_maps(textures, shaded, spaces)
-        sampling = TexelSampling(self.mesh, self.atlas, spaces, mapped, finer)
-        if not look.two_sided:
-            space = next(iter(spaces.values()))
-            warn_of_backs(space.points, space.normals_at(0), eye)
-        albedo = _albedo(whole, textures) if look.albedo == "keep" else None
-        return self._shaded(sampling, shading, albedo, chosen, progress)
+        space = next(iter(spaces.values()))
+        if self.map_kind == "color" and not look.two_sided:
+            warn_of_backs(space.points, space.normals_at(0), shading.eye)
+        albedo = own_texel_colors(whole, textures) if look.albedo == "keep" else None
+        mapped = None if finer is not None else usable_normal_maps(textures, shaded, spaces)
+        return TexelSampling(self.mesh, self.atlas, spaces, mapped, finer, albedo)
 
-    def _shaded(
-        self,
-        sampling: TexelSampling,
-        shading: SampleShading,
-        albedo: Callable[[Places], NDArray[Any]] | None,
-        chosen: Choices,
-        progress: Progress | None,
+    def shaded(
+        self, sampling: TexelSampling, chosen: Choices, progress: Progress | None = None
     ) -> BakedTexture:
+        """Shade the texels as a look says that reads the same scale spaces."""
         spaces = sampling.spaces
         first = next(iter(spaces.values()))
+        shading = self._shading(chosen, first.surface)
         if self.map_kind == "normal":
             frames = TangentFrames(self.mesh, self.mesh.normals, self.atlas.texcoords)
-            image = sampling.image(_normal_painter(frames), progress=progress)
+            paint = normal_painter(frames)
         else:
-            shading = shading.settled(spaces)
-            look = shading.look
-            if look.tint is not None:
-                look, _ = tinted(look, heights_of(first, look.axis(MESH)))
-                shading = replace(shading, look=look)
-            image = sampling.image(_painter(shading, spaces, albedo), progress=progress)
-        look = shading.look
-        provenance = describe(look, max(spaces.items())[1], light=shading.light)
-        size = self.atlas.size
-        provenance["texture"] = f"{size} x {size} texels, {self.map_kind}, atlas {self.atlas.kind}"
-        if sampling.mapped is not None:
-            provenance["texture"] += ", normals of its normal map"
-        if sampling.finer is not None:
-            provenance["texture"] += f", detail {sampling.finer.described}"
+            shading = self._settled(shading, spaces)
+            paint = shading_painter(shading, spaces, sampling.albedo)
+        image = sampling.image(paint, progress=progress)
+        provenance = describe(shading.look, max(spaces.items())[1], light=shading.light)
+        provenance["texture"] = f"{self.map_kind}, {sampling.described}"
 
         def again(**changes: Any) -> BakedTexture:
-            _refuse_new_samples(changes, chosen)
-            other = chosen.replace(**changes)
-            posed = other.of_kind(MESH).posed(first.surface)
-            eye = posed.eye(first.surface)
-            layered = None
-            if posed.blend is not None:
-                layered = Layered(other.replace(view=posed.view, up=posed.up), MESH)
-            light = posed.lighting(eye, MESH)
-            return self._shaded(
-                sampling, SampleShading(posed, light, eye, layered), albedo, other, None
-            )
+            _refuse_new_samples(changes)
+            return self.shaded(sampling, chosen.replace(**changes))
 
         return BakedTexture(
-            self.mesh, self.atlas, image, provenance, look.replace(light=shading.light),
+            self.mesh, self.atlas, image, provenance, shading.look.replace(light=shading.light),
             map_kind=self.map_kind, again=again,
         )  # fmt: skip
 
+    def _shading(self, chosen: Choices, shape: Mesh) -> SampleShading:
+        look = chosen.of_kind(MESH).posed(shape)
+        eye = look.eye(shape)
+        layered = None
+        if look.blend is not None:
+            layered = Layered(chosen.replace(view=look.view, up=look.up), MESH)
+        return SampleShading(look, look.lighting(eye, MESH), eye, layered)
 
-def _refuse_new_samples(changes: Mapping[str, Any], chosen: Choices) -> None:
+    def _settled(
+        self, shading: SampleShading, spaces: Mapping[Ladder, ScaleSpace]
+    ) -> SampleShading:
+        """Find what follows the shape, from its vertices; say what is too bright."""
+        for ladder, space in spaces.items():
+            _prepare(space, shading.reads(ladder, space.last), None)
+        shading = shading.settled(spaces)
+        look = shading.look
+        if look.tint is not None:
+            look, _ = tinted(look, heights_of(next(iter(spaces.values())), look.axis(MESH)))
+            shading = replace(shading, look=look)
+        if isinstance(shading.light, Environment) and shading.layered is None:
+            space, light, eye = spaces[look.ladder], shading.light, shading.eye
+            warn_of_clipping(
+                look, light, shading.values(spaces), lambda other: other.shade(space, light, eye)
+            )
+        return shading
+
+
+def _refuse_new_samples(changes: Mapping[str, Any]) -> None:
     for name in changes:
         if name in (*LADDER, *SIDES, "method", "blend", "albedo", "refine"):
             raise MeshdepictError(
                 f"{name} comes too late: the texels have been sampled; bake the texture anew"
             )
-    del chosen
 
 
 def _prepare(space: ScaleSpace, reads: Any, progress: Progress | None) -> None:
@@ -294,105 +306,3 @@ def _prepare(space: ScaleSpace, reads: Any, progress: Progress | None) -> None:
         space.curvature(scale)
     for scale in sorted(reads.seen):
         space.crease_cosines(scale)
-
-
-def _normal_maps(
-    textures: Textures | None, mesh: Mesh, spaces: Mapping[Ladder, ScaleSpace]
-) -> tuple[TangentFrames, Textures] | None:
-    """Return the normal maps of a mesh with the frames that they refer to, if it has any."""
-    if textures is None or not any(each is not None for each in textures.normal_maps):
-        return None
-    kept = []
-    for texture in textures.normal_maps:
-        try:
-            if texture is not None:
-                _ = texture.pixels
-            kept.append(texture)
-        except MeshdepictError as error:
-            warnings.warn(f"{error}: shaded without it", MeshdepictWarning, stacklevel=3)
-            kept.append(None)
-    if not any(each is not None for each in kept):
-        return None
-    textures = replace(textures, normal_maps=tuple(kept))
-    texcoords = textures.texcoords
-    if textures.normal_texcoords is not None:
-        texcoords = textures.normal_texcoords
-    normals = next(iter(spaces.values())).normals_at(0)
-    return TangentFrames(mesh, normals, texcoords), textures
-
-
-def _albedo(mesh: Mesh, textures: Textures | None) -> Callable[[Places], NDArray[Any]]:
-    """Return what gives the mesh's own colours at places: its textures', else its vertices'."""
-    laid = textures if textures is not None and any(textures.base_colors) else None
-    linear = None
-    if laid is None:
-        linear = color.srgb_to_linear(own_colors(mesh) / np.float32(255))
-    else:
-        for texture in laid.base_colors:
-            try:
-                _ = None if texture is None else texture.pixels
-            except MeshdepictError as error:  # before any work is done
-                raise MeshdepictError(f"albedo='keep' needs what can't be had: {error}") from error
-        found = vertex_colors(mesh, baked=was_baked(mesh), faces=False)
-        if laid.tinted and found is not None:
-            linear = color.srgb_to_linear(found / np.float32(255))
-
-    def colors(places: Places) -> NDArray[Any]:
-        found = np.ones(1, np.float32)
-        if linear is not None:
-            at = linear[mesh.faces[places.shaded_triangle]]
-            found = np.einsum("nc,ncx->nx", places.shaded_weights, at)
-        if laid is not None:
-            painted = laid.colors(places.shaded_triangle, places.shaded_weights)
-            found = found * color.srgb_to_linear(painted)
-        return np.asarray(color.linear_to_srgb(found))
-
-    return colors
-
-
-def _painter(
-    shading: SampleShading,
-    whole: Mapping[Ladder, ScaleSpace],
-    albedo: Callable[[Places], NDArray[Any]] | None,
-) -> Callable[[Places, Mapping[Ladder, ScaleSpace]], Bytes]:
-    """Return what shades texels."""
-    look = shading.look
-    looks = [look] if shading.layered is None else shading.layered.looks
-    # What looks at the samples around, and casts no rays, is shaded at the vertices.
-    alone = all(each.declared.local or "rays" in each.declared.needs for each in looks)
-    at_vertices = None if alone else shading.values(whole)
-
-    def paint(places: Places, spaces: Mapping[Ladder, ScaleSpace]) -> Bytes:
-        space = next(iter(spaces.values()))
-        if at_vertices is None:
-            values = shading.values(spaces)
-        else:
-            values = np.clip(space.of_vertices(at_vertices), 0, 1).astype(np.float32)
-        colors = shading.colors(values, lambda: heights_of(space, look.axis(MESH)))
-        if albedo is not None:
-            colors = color.multiply_albedo(
-                colors / np.float32(255), np.clip(albedo(places), 0, 1), linear=False
-            )
-        return colors
-
-    return paint
-
-
-def _normal_painter(
-    frames: TangentFrames,
-) -> Callable[[Places, Mapping[Ladder, ScaleSpace]], Bytes]:
-    """Return what writes the coarsest normals into a tangent-space map."""
-
-    def paint(places: Places, spaces: Mapping[Ladder, ScaleSpace]) -> Bytes:
-        space = next(iter(spaces.values()))
-        wanted = space.normals_at(space.last).astype(np.float64)
-        basis = np.stack(frames.at(places.triangle, places.weights), axis=2)
-        # So that a viewer's x T + y B + z N, not made unit before, points there.
-        firm = np.abs(np.linalg.det(basis)) > 1e-9
-        basis[~firm] = np.eye(3)
-        local = np.linalg.solve(basis, wanted[..., None])[..., 0]
-        local[~firm] = (0, 0, 1)
-        local /= np.maximum(np.linalg.norm(local, axis=1, keepdims=True), 1e-12)
-        return np.rint(255 * np.clip(local / 2 + 0.5, 0, 1)).astype(np.uint8)
-
-    return paint
