@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from meshdepict.baking.texture_choices import ATLASES
 from meshdepict.errors import MeshdepictError, MeshdepictWarning
 from meshdepict.surface.texels import Claims, TexelGrid
 from meshdepict.threads import each
@@ -17,16 +18,9 @@ from meshdepict.threads import each
 if TYPE_CHECKING:
     from meshdepict.shapes.mesh import Mesh
 
-__all__ = ["ATLASES", "Atlas", "atlas_of"]
+__all__ = ["Atlas", "atlas_of"]
 
 Floats = NDArray[np.float64]
-
-ATLASES = {
-    "own": "the file's own texture coordinates",
-    "new": "a place of its own for every triangle, in pairs",
-    "xatlas": "charts by xatlas, an extra; minutes for large meshes",
-}
-"""What an atlas may be."""
 
 _BAND = 1 << 18  # texels that are looked at at once
 _GUTTER, _PAIRS_GUTTER = 24, 2

@@ -20,15 +20,7 @@ if TYPE_CHECKING:
     from meshdepict.baking.choices import Choices
     from meshdepict.shapes.mesh import Mesh
 
-__all__ = ["MAPS", "BakedTexture", "check_texture"]
-
-MAPS = {
-    "color": "the method's colours",
-    "normal": "normals in tangent space, green up; of the coarsest of the scales that are said",
-    "curvature": "mean curvature: convex bright, flat 128",
-    "occlusion": "ambient occlusion: 255 where all light arrives",
-}
-"""What a texture may show."""
+__all__ = ["BakedTexture", "check_texture"]
 
 
 def check_texture(path: str | Path, map_kind: str = "color") -> None:

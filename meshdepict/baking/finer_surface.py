@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from meshdepict.baking.texture_choices import CAGE
 from meshdepict.errors import MeshdepictError, MeshdepictWarning
 from meshdepict.shapes.lengths import resolve_width
 from meshdepict.surface.closest_points import ClosestPoints
@@ -19,10 +20,7 @@ from meshdepict.transport.surface_across import surface_across
 if TYPE_CHECKING:
     from meshdepict.shapes.mesh import Mesh
 
-__all__ = ["CAGE", "FinerSurface"]
-
-CAGE = "2%"
-"""How far detail may be unless somebody says otherwise, of the coarse mesh's diagonal."""
+__all__ = ["FinerSurface"]
 
 
 class FinerSurface:

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from meshdepict.baking.atlases import Atlas, atlas_of
-from meshdepict.baking.baked_texture import MAPS, BakedTexture
+from meshdepict.baking.baked_texture import BakedTexture
 from meshdepict.baking.choice_list import LADDER, MESH, SIDES
 from meshdepict.baking.choices import Choices, takes_choices
 from meshdepict.baking.clipping import warn_of_clipping
@@ -20,6 +20,7 @@ from meshdepict.baking.sheets import warn_of_backs
 from meshdepict.baking.surfaces import as_mesh, with_choices
 from meshdepict.baking.texel_painting import normal_painter, own_texel_colors, shading_painter
 from meshdepict.baking.texel_sampling import Ladder, TexelSampling, usable_normal_maps
+from meshdepict.baking.texture_choices import MAPS, MOST_TEXELS, SIZE
 from meshdepict.baking.tinting import heights_of, tinted
 from meshdepict.errors import MeshdepictError
 from meshdepict.files.limits import as_text, max_memory
@@ -34,14 +35,9 @@ if TYPE_CHECKING:
     from meshdepict.shapes.mesh import Mesh
     from meshdepict.shapes.textures import Textures
 
-__all__ = ["MOST_TEXELS", "SIZE", "bake_texture", "texture_look"]
+__all__ = ["bake_texture", "map_method", "texture_of"]
 
-SIZE = 4096
-"""Texels along the side of a texture unless somebody says otherwise."""
-
-MOST_TEXELS = 16_384
-"""… and at most: what graphics cards take."""
-
+_METHODS = {"curvature": "mean_curvature", "occlusion": "ambient_occlusion"}
 _TEXEL_BYTES = 6  # of the picture, with what tells gutters
 _WORKING = 1 << 29
 
@@ -99,15 +95,22 @@ def bake_texture(
         For anything unknown or out of range, texture coordinates that overlap, and textures that
         memory doesn't hold.
     """
-    look = texture_look(Look(method, **chosen), map)
+    look = Look(map_method(map, method), **chosen)
     return texture_of(
         mesh, look, size=size, atlas=atlas, map_kind=map, detail=detail, cage=cage,
         progress=progress,
     )  # fmt: skip
 
 
-def texture_look(look: Choices, map_kind: str) -> Choices:
-    """Return a look as a map wants it: methods of their own show curvature and occlusion.
+def map_method(map_kind: str, method: Any = None) -> Any:
+    """Return which method shows a map: of curvature and occlusion one of their own.
+
+    Parameters
+    ----------
+    map_kind : str
+        One of `MAPS`.
+    method : str or function, optional
+        What was asked for; the usual one stands for nothing.
 
     Raises
     ------
@@ -116,22 +119,35 @@ def texture_look(look: Choices, map_kind: str) -> Choices:
     """
     if not isinstance(map_kind, str) or map_kind not in MAPS:
         raise MeshdepictError(f"map={map_kind!r} is none of {', '.join(MAPS)}")
-    own = {"curvature": "mean_curvature", "occlusion": "ambient_occlusion"}.get(map_kind)
+    usual = Choices().method
+    own = _METHODS.get(map_kind, usual)
+    if map_kind == "color":
+        return usual if method is None else method
+    if method not in (None, usual, own):
+        name = getattr(method, "__name__", method)
+        raise MeshdepictError(
+            f"a map of {map_kind} is shaded by no method of one's choice: leave {name} out"
+        )
+    return own
+
+
+def checked_look(look: Choices, map_kind: str) -> Choices:
+    """Return a look that shows a map as numbers; refuse what colours them.
+
+    Raises
+    ------
+    MeshdepictError
+    """
     if map_kind == "color":
         return look
-    if look.blend is not None or look.method not in (Choices().method, own):
-        raise MeshdepictError(
-            f"a map of {map_kind} is shaded by no method: leave {look.title} out, or map"
-        )
-    for name in ("colormap", "colormap2d", "tint"):
+    for name in ("colormap", "colormap2d", "tint", "blend"):
         if getattr(look, name) is not None:
             raise MeshdepictError(
-                f"{name} colours shading, and a map of {map_kind} holds numbers: leave it out"
+                f"{name} is about colours, and a map of {map_kind} holds numbers: leave it out"
             )
-    if own is None:
-        return look
-    options = {"darkest": 0.0} if map_kind == "occlusion" else {}
-    return look.replace(method=own, **{**options, **look.replace(method=own).options})
+    if map_kind == "occlusion" and look.options.get("darkest") is None:
+        return look.replace(darkest=0.0)
+    return look
 
 
 def texture_of(
@@ -146,6 +162,7 @@ def texture_of(
     progress: Progress | None = None,
 ) -> BakedTexture:
     """Shade a mesh's texture by a look; see `bake_texture`."""
+    look = checked_look(look, map_kind)
     count = real(size)
     if count is None or not count.is_integer() or not 16 <= count <= MOST_TEXELS:
         raise MeshdepictError(f"size={size!r} is not a whole number from 16 to {MOST_TEXELS}")

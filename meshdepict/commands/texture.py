@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import dataclasses
 import time
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 from cyclopts import Parameter
 
+from meshdepict.baking.texture_choices import SIZE, AtlasKind, MapKind
 from meshdepict.commands import parameters
 from meshdepict.commands.parameters import FILES, Everywhere, LookWords, takes_words
 from meshdepict.console import notes, progress_bar, say
@@ -22,11 +24,9 @@ def texture(
     /,
     *,
     output: Annotated[Path | None, Parameter(name=["--output", "-o"], group=FILES)] = None,
-    size: Annotated[int, Parameter(group=FILES, converter=parameters.whole)] = 4096,
-    atlas: Annotated[Literal["own", "new", "xatlas"] | None, Parameter(group=FILES)] = None,
-    map_kind: Annotated[
-        Literal["color", "normal", "curvature", "occlusion"], Parameter(name="--map", group=FILES)
-    ] = "color",
+    size: Annotated[int, Parameter(group=FILES, converter=parameters.whole)] = SIZE,
+    atlas: Annotated[AtlasKind | None, Parameter(group=FILES)] = None,
+    map_kind: Annotated[MapKind, Parameter(name="--map", group=FILES)] = "color",
     detail: Annotated[Path | None, Parameter(group=FILES)] = None,
     cage: Annotated[str | None, Parameter(group=FILES)] = None,
     winding: Annotated[Literal["auto", "keep"], Parameter(group=FILES)] = "auto",
@@ -70,15 +70,18 @@ def texture(
     from meshdepict.baking.provenance import fitted_text
     from meshdepict.baking.recipe import save_recipe as write_recipe
     from meshdepict.baking.targets import check_target, identities
-    from meshdepict.baking.textures import texture_look, texture_of
+    from meshdepict.baking.textures import map_method, texture_of
     from meshdepict.io import read_mesh
 
     everywhere.obey()
     if mesh is None:
         raise MeshdepictError("which mesh? meshdepict texture MESH.obj")
     start = time.perf_counter()
-    said = parameters.said_look(look, recipe)
-    wanted = texture_look(said, map_kind)
+    chosen: Any = look
+    method = map_method(map_kind, chosen.method)
+    if map_kind != "color":
+        look = dataclasses.replace(chosen, method=method)
+    wanted = parameters.said_look(look, recipe)
     name = mesh.name.removesuffix(".gz").rpartition(".")[0] or mesh.name
     if output is None:
         shown = wanted.title if map_kind == "color" else map_kind
@@ -96,7 +99,7 @@ def texture(
             detail=fine, cage=cage, progress=progress,
         )  # fmt: skip
         if save_recipe is not None:
-            write_recipe(save_recipe, said, force=force)
+            write_recipe(save_recipe, wanted, force=force)
         baked.save(output)
     scales = baked.provenance["scales"]
     facts = [

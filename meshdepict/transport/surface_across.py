@@ -53,11 +53,11 @@ def surface_across(mesh: Mesh, points: Floats, normals: Floats, reach: float) ->
     count = len(points)
     triangle, weights = np.full(count, -1, np.int32), np.zeros((count, 3))
     nearest = np.full(count, np.inf)
-    far = np.full(count, reach + _BEHIND, np.float32)
     corners = mesh.unit_points[mesh.outward_faces] if len(mesh.faces) < count else None
     for sign in (1.0, -1.0):
         directions = sign * normals
         origins = (points - _BEHIND * directions).astype(np.float32)
+        far = np.full(count, reach + _BEHIND, np.float32)  # Embree writes into it
         met = scene.run(
             origins, directions.astype(np.float32), dists=far, query="INTERSECT", output=True
         )
