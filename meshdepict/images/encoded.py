@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import threading
 import warnings
 from typing import Any
 
@@ -12,6 +13,7 @@ from numpy.typing import NDArray
 from meshdepict.errors import MeshdepictError
 from meshdepict.files.limits import check_claim
 from meshdepict.files.pictures import ODD
+from meshdepict.images.deep_tiff import deep_tiff
 
 __all__ = ["KINDS", "decode", "encode", "is_color", "kind_of"]
 
@@ -23,6 +25,8 @@ KINDS = {
 }
 """What pictures are called in glTF and as files, by kind."""
 
+_LEAST = 4 * 16_384**2  # bytes: the largest textures there are may be all of one colour
+_LIMIT = threading.Lock()
 _QUALITY = 90  # of JPEG and WebP where nobody says: about a grey level
 
 
@@ -51,19 +55,19 @@ def decode(data: bytes) -> NDArray[Any]:
         For bytes that are no picture that can be read, and for one of an absurd size: a clause
         whose subject is the picture.
     """
-    from PIL import Image
-
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # Pillow's, of odd metadata and of more than 89 megapixels
+        warnings.simplefilter("ignore")  # Pillow's, of odd metadata
         try:
             if _is_deep_png(data):
                 return _deep_png(data)
-            with Image.open(io.BytesIO(data)) as image:
+            if (deep := deep_tiff(data)) is not None:
+                return deep
+            with _opened(data) as image:
                 _check_size(image.size, len(data))
                 return _pixels(image)
         except MeshdepictError:
             raise
-        except (*ODD, OSError, ValueError, Image.DecompressionBombError) as error:
+        except (*ODD, OSError, ValueError) as error:
             said = " ".join(str(error).split()) or type(error).__name__
             said = "no kind of picture that is known" if "BytesIO" in said else said
             raise MeshdepictError(f"can't be read as a picture ({said:.120})") from None
@@ -77,22 +81,32 @@ def is_color(data: bytes) -> bool:
     MeshdepictError
         As `decode`, as far as the beginning tells.
     """
-    from PIL import Image
-
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         try:
-            with Image.open(io.BytesIO(data)) as image:
+            with _opened(data) as image:
                 return image.mode in ("RGB", "RGBA", "RGBX", "YCbCr", "CMYK", "LAB", "HSV")
-        except (*ODD, OSError, ValueError, Image.DecompressionBombError):
+        except (*ODD, OSError, ValueError):
             raise MeshdepictError("can't be read as a picture") from None
+
+
+def _opened(data: bytes) -> Any:
+    """Open a picture whose size `_check_size` judges, not Pillow, which stops at 179 megapixels."""
+    from PIL import Image
+
+    with _LIMIT:
+        usual, Image.MAX_IMAGE_PIXELS = Image.MAX_IMAGE_PIXELS, None
+        try:
+            return Image.open(io.BytesIO(data))
+        finally:
+            Image.MAX_IMAGE_PIXELS = usual
 
 
 def _check_size(size: tuple[int, int], length: int) -> None:
     width, height = size
     if width < 1 or height < 1:
         raise MeshdepictError("has no pixels")
-    check_claim(4 * width * height, length, "pixels")
+    check_claim(4 * width * height, length, "pixels", least=_LEAST)
 
 
 def _pixels(image: Any) -> NDArray[Any]:
@@ -113,17 +127,23 @@ def _is_deep_png(data: bytes) -> bool:
 
 
 def _deep_png(data: bytes) -> NDArray[Any]:
-    from PIL import Image
     from vtkmodules.util.numpy_support import vtk_to_numpy
     from vtkmodules.vtkIOImage import vtkPNGReader
 
-    with Image.open(io.BytesIO(data)) as image:
+    with _opened(data) as image:
         _check_size(image.size, len(data) // 2)
         image.load()  # complains where VTK would only print
         width, height = image.size
     reader = vtkPNGReader()
-    reader.SetMemoryBuffer(data)
-    reader.SetMemoryBufferLength(len(data))
+    if hasattr(reader, "SetStream"):
+        from vtkmodules.vtkIOCore import vtkMemoryResourceStream
+
+        stream = vtkMemoryResourceStream()
+        stream.SetBuffer(data, len(data))
+        reader.SetStream(stream)
+    else:  # before VTK 9.6
+        reader.SetMemoryBuffer(data)
+        reader.SetMemoryBufferLength(len(data))
     reader.Update()
     scalars = reader.GetOutput().GetPointData().GetScalars()
     values = vtk_to_numpy(scalars).reshape(height, width, -1)[::-1]
