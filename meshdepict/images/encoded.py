@@ -55,11 +55,14 @@ def decode(data: bytes) -> NDArray[Any]:
         For bytes that are no picture that can be read, and for one of an absurd size: a clause
         whose subject is the picture.
     """
+    from meshdepict.images.deep_png import deep_png, deep_size
+
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # Pillow's, of odd metadata
         try:
-            if _is_deep_png(data):
-                return _deep_png(data)
+            if (size := deep_size(data)) is not None:
+                _check_size(size, len(data) // 2)
+                return _in_colour(deep_png(data))
             if (deep := deep_tiff(data)) is not None:
                 return deep
             with _opened(data) as image:
@@ -116,40 +119,16 @@ def _pixels(image: Any) -> NDArray[Any]:
         if mode == "F":
             values = np.rint(65535 * np.clip(np.nan_to_num(values), 0, 1))
         deep = np.clip(values, 0, 65535).astype(np.uint16)
-        return np.repeat(deep[..., None], 3, axis=2)
+        return _in_colour(deep[..., None])
     clear = mode in ("LA", "PA", "RGBA", "RGBa", "La") or "transparency" in image.info
     return np.array(image.convert("RGBA" if clear else "RGB"))
 
 
-def _is_deep_png(data: bytes) -> bool:
-    """Whether this is a PNG with colours of 16 bits, which Pillow cuts to 8 without a word."""
-    return kind_of(data) == "png" and len(data) > 25 and data[24] == 16 and data[25] in (2, 4, 6)
-
-
-def _deep_png(data: bytes) -> NDArray[Any]:
-    from vtkmodules.util.numpy_support import vtk_to_numpy
-    from vtkmodules.vtkIOImage import vtkPNGReader
-
-    with _opened(data) as image:
-        _check_size(image.size, len(data) // 2)
-        image.load()  # complains where VTK would only print
-        width, height = image.size
-    reader = vtkPNGReader()
-    if hasattr(reader, "SetStream"):
-        from vtkmodules.vtkIOCore import vtkMemoryResourceStream
-
-        stream = vtkMemoryResourceStream()
-        stream.SetBuffer(data, len(data))
-        reader.SetStream(stream)
-    else:  # before VTK 9.6
-        reader.SetMemoryBuffer(data)
-        reader.SetMemoryBufferLength(len(data))
-    reader.Update()
-    scalars = reader.GetOutput().GetPointData().GetScalars()
-    values = vtk_to_numpy(scalars).reshape(height, width, -1)[::-1]
-    if values.shape[2] < 3:  # grey, and perhaps alpha
-        values = values[..., [0, 0, 0, *range(1, values.shape[2])]]
-    return np.array(values, np.uint16)
+def _in_colour(pixels: NDArray[np.uint16]) -> NDArray[np.uint16]:
+    """Return grey, and grey with alpha, as three equal channels, and alpha."""
+    if pixels.shape[2] > 2:
+        return pixels
+    return np.ascontiguousarray(pixels[..., [0, 0, 0, *range(1, pixels.shape[2])]])
 
 
 def encode(pixels: NDArray[Any], kind: str = "png", *, quality: int | None = None) -> bytes:
