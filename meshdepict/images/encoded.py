@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import threading
 import warnings
 from typing import Any
 
@@ -12,6 +13,7 @@ from numpy.typing import NDArray
 from meshdepict.errors import MeshdepictError
 from meshdepict.files.limits import check_claim
 from meshdepict.files.pictures import ODD
+from meshdepict.images.deep_tiff import deep_tiff
 
 __all__ = ["KINDS", "decode", "encode", "is_color", "kind_of"]
 
@@ -23,6 +25,8 @@ KINDS = {
 }
 """What pictures are called in glTF and as files, by kind."""
 
+_LEAST = 4 * 16_384**2  # bytes: the largest textures there are may be all of one colour
+_LIMIT = threading.Lock()
 _QUALITY = 90  # of JPEG and WebP where nobody says: about a grey level
 
 
@@ -51,19 +55,22 @@ def decode(data: bytes) -> NDArray[Any]:
         For bytes that are no picture that can be read, and for one of an absurd size: a clause
         whose subject is the picture.
     """
-    from PIL import Image
+    from meshdepict.images.deep_png import deep_png, deep_size
 
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # Pillow's, of odd metadata and of more than 89 megapixels
+        warnings.simplefilter("ignore")  # Pillow's, of odd metadata
         try:
-            if _is_deep_png(data):
-                return _deep_png(data)
-            with Image.open(io.BytesIO(data)) as image:
+            if (size := deep_size(data)) is not None:
+                _check_size(size, len(data) // 2)
+                return _in_colour(deep_png(data))
+            if (deep := deep_tiff(data)) is not None:
+                return deep
+            with _opened(data) as image:
                 _check_size(image.size, len(data))
                 return _pixels(image)
         except MeshdepictError:
             raise
-        except (*ODD, OSError, ValueError, Image.DecompressionBombError) as error:
+        except (*ODD, OSError, ValueError) as error:
             said = " ".join(str(error).split()) or type(error).__name__
             said = "no kind of picture that is known" if "BytesIO" in said else said
             raise MeshdepictError(f"can't be read as a picture ({said:.120})") from None
@@ -77,22 +84,32 @@ def is_color(data: bytes) -> bool:
     MeshdepictError
         As `decode`, as far as the beginning tells.
     """
-    from PIL import Image
-
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         try:
-            with Image.open(io.BytesIO(data)) as image:
+            with _opened(data) as image:
                 return image.mode in ("RGB", "RGBA", "RGBX", "YCbCr", "CMYK", "LAB", "HSV")
-        except (*ODD, OSError, ValueError, Image.DecompressionBombError):
+        except (*ODD, OSError, ValueError):
             raise MeshdepictError("can't be read as a picture") from None
+
+
+def _opened(data: bytes) -> Any:
+    """Open a picture whose size `_check_size` judges, not Pillow, which stops at 179 megapixels."""
+    from PIL import Image
+
+    with _LIMIT:
+        usual, Image.MAX_IMAGE_PIXELS = Image.MAX_IMAGE_PIXELS, None
+        try:
+            return Image.open(io.BytesIO(data))
+        finally:
+            Image.MAX_IMAGE_PIXELS = usual
 
 
 def _check_size(size: tuple[int, int], length: int) -> None:
     width, height = size
     if width < 1 or height < 1:
         raise MeshdepictError("has no pixels")
-    check_claim(4 * width * height, length, "pixels")
+    check_claim(4 * width * height, length, "pixels", least=_LEAST)
 
 
 def _pixels(image: Any) -> NDArray[Any]:
@@ -102,34 +119,16 @@ def _pixels(image: Any) -> NDArray[Any]:
         if mode == "F":
             values = np.rint(65535 * np.clip(np.nan_to_num(values), 0, 1))
         deep = np.clip(values, 0, 65535).astype(np.uint16)
-        return np.repeat(deep[..., None], 3, axis=2)
+        return _in_colour(deep[..., None])
     clear = mode in ("LA", "PA", "RGBA", "RGBa", "La") or "transparency" in image.info
     return np.array(image.convert("RGBA" if clear else "RGB"))
 
 
-def _is_deep_png(data: bytes) -> bool:
-    """Whether this is a PNG with colours of 16 bits, which Pillow cuts to 8 without a word."""
-    return kind_of(data) == "png" and len(data) > 25 and data[24] == 16 and data[25] in (2, 4, 6)
-
-
-def _deep_png(data: bytes) -> NDArray[Any]:
-    from PIL import Image
-    from vtkmodules.util.numpy_support import vtk_to_numpy
-    from vtkmodules.vtkIOImage import vtkPNGReader
-
-    with Image.open(io.BytesIO(data)) as image:
-        _check_size(image.size, len(data) // 2)
-        image.load()  # complains where VTK would only print
-        width, height = image.size
-    reader = vtkPNGReader()
-    reader.SetMemoryBuffer(data)
-    reader.SetMemoryBufferLength(len(data))
-    reader.Update()
-    scalars = reader.GetOutput().GetPointData().GetScalars()
-    values = vtk_to_numpy(scalars).reshape(height, width, -1)[::-1]
-    if values.shape[2] < 3:  # grey, and perhaps alpha
-        values = values[..., [0, 0, 0, *range(1, values.shape[2])]]
-    return np.array(values, np.uint16)
+def _in_colour(pixels: NDArray[np.uint16]) -> NDArray[np.uint16]:
+    """Return grey, and grey with alpha, as three equal channels, and alpha."""
+    if pixels.shape[2] > 2:
+        return pixels
+    return np.ascontiguousarray(pixels[..., [0, 0, 0, *range(1, pixels.shape[2])]])
 
 
 def encode(pixels: NDArray[Any], kind: str = "png", *, quality: int | None = None) -> bytes:

@@ -15,7 +15,6 @@ from meshdepict.errors import MeshdepictWarning
 from meshdepict.io.ply_binary import encode_binary
 from meshdepict.io.ply_document import (
     PlyDocument,
-    Section,
     geometry_of,
     hold,
     index_list,
@@ -33,7 +32,7 @@ from meshdepict.io.ply_header import (
     read_header,
 )
 from meshdepict.io.ply_properties import as_properties, exact_float
-from meshdepict.io.ply_rows import Column, Ragged
+from meshdepict.io.ply_rows import Column, Ragged, Section
 from meshdepict.io.ply_text import encode_text, rewrite_text
 from meshdepict.io.ply_textures import ply_notes, with_pictures
 from meshdepict.shapes.document import COLOR, Contents, Document, Saving, new_names, recolored

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import accumulate
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +16,7 @@ from meshdepict.files.any_numbers import any_numbers
 from meshdepict.io.ply_binary import decode_binary
 from meshdepict.io.ply_grid import grid_of, grid_triangles
 from meshdepict.io.ply_header import POSITION, Element, Header
-from meshdepict.io.ply_rows import Column, Ragged, as_ragged
+from meshdepict.io.ply_rows import Column, Ragged, Section, as_ragged
 from meshdepict.io.ply_text import decode_text, reflowed
 from meshdepict.io.ply_textures import has_coordinates, picture_names, ply_textures
 from meshdepict.shapes.document import Document, same_vertices
@@ -25,7 +25,6 @@ from meshdepict.surface.polygons import Polygons, as_polygons, strip_triangles, 
 
 __all__ = [
     "PlyDocument",
-    "Section",
     "geometry_of",
     "hold",
     "index_list",
@@ -33,15 +32,6 @@ __all__ = [
     "line_end",
     "split_sections",
 ]
-
-
-class Section(NamedTuple):
-    """An element with its columns, and its rows as they stand in the file."""
-
-    element: Element
-    columns: dict[str, Column]
-    rows: bytes | list[bytes]  # a list of lines in ASCII files
-    odd: Mapping[str, str]  # properties with values of another kind, and one of these
 
 
 @dataclass(frozen=True, kw_only=True)

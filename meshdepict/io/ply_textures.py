@@ -5,20 +5,16 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from meshdepict.files.companions import Companions
 from meshdepict.io.ply_header import Header
-from meshdepict.io.ply_rows import Column, as_ragged
+from meshdepict.io.ply_rows import Column, Section, as_ragged
 from meshdepict.io.texture_files import file_fault, named_texture, texture_notes
 from meshdepict.shapes.textures import Textures, laid_textures
 from meshdepict.surface.polygons import Polygons
-
-if TYPE_CHECKING:
-    from meshdepict.io.ply_document import Section
 
 __all__ = [
     "has_coordinates", "picture_names", "ply_notes", "ply_textures", "with_pictures",

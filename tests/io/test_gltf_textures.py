@@ -13,7 +13,7 @@ import pytest
 import trimesh
 from gltf_builder import Builder, colors_of
 
-from meshdepict.errors import MeshdepictWarning
+from meshdepict.errors import MeshdepictError, MeshdepictWarning
 from meshdepict.images.encoded import encode
 from meshdepict.io import read_mesh, read_provenance, write_mesh
 from meshdepict.shapes.mesh import Mesh
@@ -421,3 +421,36 @@ def test_pyvista_reads_the_depiction(tmp_path, build):
     np.testing.assert_allclose(shown.points, mesh.vertices)
     assert shown.point_data["COLOR_0"].shape == (4, 4)
     assert shown.n_cells == 2  # of the depiction's scene alone
+
+
+# --- quantised positions --------------------------------------------------------------------------
+
+
+def test_quantised_positions_are_within_half_a_step(tmp_path, rng):
+    """A step is a 65,535th of the longest side, whatever the place."""
+    points = rng.normal(size=(50, 3)) * [1, 20, 0.01] + [5e5, 3e6, 0]
+    faces = rng.permutation(150).reshape(50, 3) % 50
+    mesh = Mesh(points, faces, winding="keep")
+    colors = rng.integers(0, 256, (50, 3)).astype(np.uint8)
+    for suffix in (".glb", ".gltf"):
+        small, usual = (tmp_path / f"{name}{suffix}" for name in ("small", "usual"))
+        write_mesh(usual, mesh, colors=colors)
+        write_mesh(small, mesh, colors=colors, quantize=True)
+        assert small.stat().st_size < usual.stat().st_size
+        again = read_mesh(small, winding="keep")
+        half = np.ptp(points, axis=0).max() / 65535 / 2
+        assert np.abs(again.vertices - points).max() <= half * (1 + 1e-9) + 1e-9
+        np.testing.assert_array_equal(again.faces, faces)
+        np.testing.assert_array_equal(colors_of(again), colors)
+        header = header_of(small)
+        assert header["extensionsRequired"] == ["KHR_mesh_quantization"]
+        accessor = header["accessors"][0]
+        assert (accessor["componentType"], "normalized" in accessor) == (5123, False)
+        assert header["bufferViews"][0]["byteStride"] == 8
+        scene = trimesh.load_scene(small, process=False)
+        np.testing.assert_allclose(scene.to_mesh().vertices, again.vertices, atol=1e-6)
+
+
+def test_quantised_positions_are_for_gltf_alone(tmp_path, build):
+    with pytest.raises(MeshdepictError, match=r"positions are for \.glb and \.gltf alone"):
+        write_mesh(tmp_path / "mesh.ply", textured(build).read(tmp_path), quantize=True)
