@@ -5,13 +5,14 @@ from __future__ import annotations
 import warnings
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from meshdepict.errors import MeshdepictError, MeshdepictWarning
-from meshdepict.images.gutters import fill_gutters
+from meshdepict.images.gutters import fill_gutters, put_texels
 from meshdepict.scales.mapped_normals import TangentFrames, mapped_normals
 from meshdepict.scales.space import ScaleSpace
 from meshdepict.scales.texel_scales import TexelSpace
@@ -111,8 +112,7 @@ class TexelSampling:
             if len(texels.place):
                 places = self._places(texels.triangle, texels.weights)
                 colors = paint(places, self._samples(places))
-                image[begin:end].reshape(-1, 3)[texels.place] = colors
-                inside[begin:end].reshape(-1)[texels.place] = True
+                put_texels(image[begin:end], inside[begin:end], texels.place, colors)
 
         def done(_: int) -> None:
             nonlocal finished
@@ -130,8 +130,12 @@ class TexelSampling:
         shaded = triangle, weights
         if self.finer is not None:
             shaded = self.finer.places(triangle, weights)
-        faces = next(iter(self.spaces.values())).surface.faces
-        return Places(triangle, weights, *shaded, faces[shaded[0]].astype(np.int32))
+        return Places(triangle, weights, *shaded, np.take(self._faces, shaded[0], axis=0))
+
+    @cached_property
+    def _faces(self) -> NDArray[np.int32]:
+        """Of the mesh that is shaded."""
+        return next(iter(self.spaces.values())).surface.faces.astype(np.int32)
 
     def _samples(self, places: Places) -> dict[Ladder, ScaleSpace]:
         normals = None

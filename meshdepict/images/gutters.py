@@ -7,12 +7,41 @@ from numpy.typing import NDArray
 
 from meshdepict.threads import each, kernel, spans, thread_count
 
-__all__ = ["MOST", "fill_gutters"]
+__all__ = ["MOST", "fill_gutters", "put_texels"]
 
 MOST = 100
 """Texels that a gutter may be wide."""
 
 _ROWS = 64  # that are filled at a time
+
+
+def put_texels(
+    image: NDArray[np.uint8],
+    inside: NDArray[np.bool_],
+    place: NDArray[np.int32],
+    colors: NDArray[np.uint8],
+) -> None:
+    """Give some texels their colours, and let them be inside.
+
+    Parameters
+    ----------
+    image : (h, w, 3) array
+        Modified.
+    inside : (h, w) array of bool
+        Modified.
+    place : (n,) array of int
+        Numbers of texels, row by row.
+    colors : (n, 3) array
+    """
+    _put(image.reshape(-1, 3), inside.reshape(-1), place, colors)
+
+
+@kernel()
+def _put(image, inside, place, colors):  # type: ignore[no-untyped-def]
+    for i in range(len(place)):
+        at = place[i]
+        inside[at] = True
+        image[at, 0], image[at, 1], image[at, 2] = colors[i, 0], colors[i, 1], colors[i, 2]
 
 
 def fill_gutters(image: NDArray[np.uint8], inside: NDArray[np.bool_], width: int) -> None:
