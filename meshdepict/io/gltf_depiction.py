@@ -312,6 +312,8 @@ def _without(
     found.pop("scene")
     if former["scene"] is not None:
         found["scene"] = former["scene"]
+        if not 0 <= former["scene"] < len(found["scenes"]):
+            return None
     if former["named"] and "scenes" in found:
         at = found.get("scene", 0)
         found["scenes"][at] = {k: v for k, v in found["scenes"][at].items() if k != "name"}

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshdepict.errors import MeshdepictError
+from meshdepict.files.any_numbers import any_numbers
 from meshdepict.io.gltf_buffers import Buffers, pick
 from meshdepict.io.gltf_materials import WHITE, base_factor, is_textured, laid, texture
 from meshdepict.io.gltf_scene import Part, Scene
@@ -72,6 +73,7 @@ class GltfDocument(Document):
     depicted: bool = False
     formats: tuple[str, ...] = (".glb", ".gltf")
 
+    @any_numbers()
     def parts(self, *, textured: bool = False) -> list[Part]:
         """Return the triangles of the file's scene again; see `Scene`."""
         with wrong_as_gltf():
@@ -99,6 +101,7 @@ class GltfDocument(Document):
         """Whether a material of the file lays a texture."""
         return is_textured(self.header)
 
+    @any_numbers()
     def textures(self, corners: NDArray[np.int64]) -> Textures | None:
         """Return what the file lays on its triangles, or None."""
         if not self.is_textured:

@@ -12,7 +12,7 @@ from meshdepict.errors import MeshdepictError
 from meshdepict.io.gltf_buffers import Buffers, as_fractions, pick
 from meshdepict.io.gltf_extensions import DRACO, Unpacked, check_required, draco
 from meshdepict.io.gltf_materials import WHITE, Laid, base_factor, is_textured, laid
-from meshdepict.io.gltf_pose import instances, morphed, placed, skinned
+from meshdepict.io.gltf_pose import cofactors, instances, mirrors, morphed, placed, skinned
 from meshdepict.surface.polygons import Polygons, strip_triangles
 
 __all__ = ["Part", "Scene"]
@@ -105,10 +105,10 @@ class Scene:
         """Return a part at its place; a mirror turns its faces round."""
         self._buffers.claim(part.points.size + part.faces.size, "triangles at its nodes")
         points = part.points @ matrix[:3, :3].T + matrix[:3, 3]
-        turned = _mirrors(matrix)
+        turned = mirrors(matrix)
         normal = part.normal
         if normal is not None:
-            normal = normal @ _cofactors(matrix).T * (-1 if turned else 1)
+            normal = normal @ cofactors(matrix).T * (-1 if turned else 1)
         source = part.source and part.source._replace(matrix=matrix)
         part = part._replace(points=points, normal=normal, source=source)
         if not turned:
@@ -216,9 +216,11 @@ class Scene:
                 color[:, : given.shape[1]] = given
             color = color * factor
         if "TEXCOORD_0" in used:
-            texture = self._values(used, "TEXCOORD_0", unpacked)
+            texture = self._optional(used, "TEXCOORD_0", unpacked, (len(points), 2))
         self._buffers.claim(points.size, "points")
-        normal = self._normals(used, unpacked, len(points)) if "NORMAL" in used else None
+        normal = None
+        if "NORMAL" in used:
+            normal = self._optional(used, "NORMAL", unpacked, (len(points), 3))
         if normal is not None and any(weights):
             normal = None
         plain = unpacked is None and not any(weights)
@@ -227,15 +229,15 @@ class Scene:
             source=Source(()) if plain else None,
         )  # fmt: skip
 
-    def _normals(
-        self, used: dict[str, int], unpacked: Unpacked | None, count: int
+    def _optional(
+        self, used: dict[str, int], name: str, unpacked: Unpacked | None, shape: tuple[int, int]
     ) -> Floats | None:
-        """Return the normals of a part's vertices; None where they are damaged: few want them."""
+        """Return what few want of a part's vertices; None where it is damaged."""
         try:
-            normal = self._values(used, "NORMAL", unpacked)
+            values = self._values(used, name, unpacked)
         except (MeshdepictError, LookupError, ValueError):
             return None
-        return normal if normal.shape == (count, 3) else None
+        return values if values.shape == shape else None
 
     def _values(self, used: dict[str, int], name: str, unpacked: Unpacked | None) -> Floats:
         """Return an attribute of all vertices; colours as fractions whatever their type."""
@@ -299,14 +301,3 @@ def _assembled(part: Part, pieces: list[Piece]) -> Part:
     return part._replace(
         material=np.repeat(np.array(material, np.int32), counts), uv=uv, normal_uv=normal_uv
     )
-
-
-def _cofactors(matrix: Floats) -> Floats:
-    """Return what normals are multiplied by where points are by a matrix, but for their length."""
-    a, b, c = matrix[:3, :3] / (np.abs(matrix[:3, :3]).max() or 1.0)
-    return np.stack([np.cross(b, c), np.cross(c, a), np.cross(a, b)])
-
-
-def _mirrors(matrix: Floats) -> bool:
-    largest = np.abs(matrix[:3, :3]).max()
-    return bool(largest > 0 and np.linalg.det(matrix[:3, :3] / largest) < 0)

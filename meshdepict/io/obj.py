@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshdepict.errors import MeshdepictError, MeshdepictWarning
+from meshdepict.files.any_numbers import any_numbers
 from meshdepict.files.mark import MARK
 from meshdepict.io import text
 from meshdepict.io.obj_faces import parse_faces, parse_normals
@@ -84,6 +85,7 @@ class ObjDocument(Document):
         held = (library.materials.values() for library in libraries(self.data, self.folder))
         return any(m.base or m.normal or m.bump for materials in held for m in materials)
 
+    @any_numbers()
     def textures(self, corners: NDArray[np.int64]) -> Textures | None:
         """Return what the file lays on its triangles, or None."""
         if not self.is_textured:

@@ -83,6 +83,7 @@ class PlyDocument(Document):
         """Whether triangle strips are among the file's faces."""
         return any(item.name == "tristrips" and item.count for item in self.header.elements)
 
+    @any_numbers()
     def describes(self, vertices: NDArray[np.float64] | None, polygons: Polygons) -> bool:
         """Whether these are the file's vertices (if given) and polygons, not changed ones."""
         sections = split_sections(self.header, self.data)[0]

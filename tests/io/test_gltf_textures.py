@@ -454,3 +454,109 @@ def test_quantised_positions_are_within_half_a_step(tmp_path, rng):
 def test_quantised_positions_are_for_gltf_alone(tmp_path, build):
     with pytest.raises(MeshdepictError, match=r"positions are for \.glb and \.gltf alone"):
         write_mesh(tmp_path / "mesh.ply", textured(build).read(tmp_path), quantize=True)
+
+
+# --- what is wrong --------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("image", "said"),
+    [
+        ({"uri": "gone.png"}, r"names the texture 'gone\.png', which is not there: left as named"),
+        ({"uri": "../up.png"}, r"names the texture '\.\./up\.png', which leads out of its folder"),
+        ({"uri": "%2Fetc%2Fhosts"}, "an absolute path: only files in its own folder"),
+        ({"uri": "https://a.b/c.png"}, "a URL: only files in its own folder"),
+        ({"uri": "empty.png"}, r"names the texture 'empty\.png', which is empty"),
+    ],
+)
+def test_a_picture_that_cannot_be_had_is_one_note(tmp_path, build, image, said):
+    (tmp_path / "empty.png").write_bytes(b"")
+    textured(build, image=image)
+    with pytest.warns(MeshdepictWarning, match=said) as caught:
+        mesh = build.read(tmp_path)
+    assert len(caught) == 1
+    with pytest.raises(MeshdepictError, match="the mesh's file names the texture"):
+        _ = mesh.textures.base_colors[0].pixels
+    for suffix in (".glb", ".gltf"):
+        bake(mesh, tmp_path / f"baked{suffix}")
+        assert header_of(tmp_path / f"baked{suffix}")["images"] == [image]
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        ({"images": [{"bufferView": 99}]}, "holds no picture for its texture 'image 0'"),
+        ({"images": [{"uri": "data:image/png;base64,AAA"}]}, "holds no picture for its texture"),
+        ({"textures": [{}]}, "has a texture, number 0, without a picture"),
+    ],
+)
+def test_a_picture_that_is_damaged_is_one_sentence(tmp_path, build, change, said):
+    textured(build).header |= change
+    mesh = build.read(tmp_path)
+    with pytest.raises(MeshdepictError, match=said):
+        _ = mesh.textures.base_colors[0].pixels
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        ({"textures": []}, "refers to number 0 of its 0 textures"),
+        ({"textures": [{"source": 5}]}, "refers to number 5 of its 1 images"),
+        ({"materials": [{"normalTexture": {}}]}, r"is wrong as glTF \(KeyError: 'index'\)"),
+        ({"materials": [{"normalTexture": 7}]}, "a value of the wrong kind"),
+    ],
+)
+def test_a_wrong_texture_leaves_the_shape(tmp_path, build, change, said):
+    textured(build).header |= change
+    mesh = build.read(tmp_path)
+    assert len(mesh.faces) == 2
+    with pytest.raises(MeshdepictError, match=said):
+        _ = mesh.textures
+
+
+def test_coordinates_that_are_missing_or_no_numbers(tmp_path, build):
+    textured(build, uv=np.where(np.arange(8).reshape(4, 2) == 2, np.nan, UV))
+    mesh = build.read(tmp_path)
+    with pytest.warns(MeshdepictWarning, match="1 triangles with a texture have no coordinates"):
+        assert mesh.textures.material.tolist() == [-1, 0]
+    textured(other := Builder(), texCoord=4)
+    mesh = other.read(tmp_path)
+    with pytest.warns(MeshdepictWarning, match="all triangles with a texture have no coordinates"):
+        assert mesh.textures is None
+    used = build.header["meshes"][0]["primitives"][0]["attributes"]
+    used["TEXCOORD_0"] = build.accessor(UV[:2], "f4")
+    mesh = build.read(tmp_path)
+    with pytest.raises(MeshdepictError, match="its TEXCOORD_0 don't fit its points"):
+        _ = mesh.textures
+
+
+def test_a_depiction_that_another_program_has_moved_is_read_as_it_is(tmp_path, build):
+    """Its mark no longer fits: the file is kept whole, and depicted anew beside."""
+    mesh = textured(build).read(tmp_path)
+    bake(mesh, tmp_path / "baked.gltf")
+    for change in ("node", "scene", "kind"):
+        header = header_of(tmp_path / "baked.gltf")
+        mark = header["scenes"][1]["extras"]["meshdepict"]
+        if change == "node":
+            header["nodes"].append({"name": "theirs"})
+        elif change == "scene":
+            mark["former"]["scene"] = 9
+        else:
+            header["scenes"][1]["extras"]["meshdepict"] = {"before": 3}
+        header["asset"]["generator"] = "another"
+        (tmp_path / "moved.gltf").write_text(json.dumps(header))
+        moved = read_mesh(tmp_path / "moved.gltf")
+        assert colors_of(moved)[1].tolist() == [90] * 3
+        write_mesh(tmp_path / "kept.gltf", moved)
+        assert header_of(tmp_path / "kept.gltf")["nodes"] == header["nodes"]
+
+
+def test_a_depiction_without_its_original_is_read(tmp_path, build):
+    """The file beside it, with the original's data, is gone."""
+    textured(build)
+    build.header["meshes"].append(build.header["meshes"][0])
+    bake(build.read(tmp_path), tmp_path / "baked.gltf")
+    header = header_of(tmp_path / "baked.gltf")
+    header["meshes"][0]["primitives"][0]["indices"] = 99
+    (tmp_path / "broken.gltf").write_text(json.dumps(header))
+    assert colors_of(read_mesh(tmp_path / "broken.gltf"))[1].tolist() == [90] * 3
