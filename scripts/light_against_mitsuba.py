@@ -3,9 +3,10 @@
     pip install mitsuba
     python scripts/light_against_mitsuba.py [MESH] > table.md      # some minutes
 
-In an environment of its own, with meshdepict. Prints Markdown for docs/light.md. The golf ball stands
-in where no mesh is named. The surface is matt with albedo 0.8 and is lit by a sky that fades from 1
-above to 0 below; three bounces. Mitsuba's rays start a little above each vertex and look back at it.
+In an environment of its own, with meshdepict. Prints Markdown for docs/light.md. The golf ball is
+taken where no mesh is named. The surface is matt with albedo 0.8 and is lit by a sky that fades
+from 1 above to 0 below; three bounces. Mitsuba's rays start a little above each vertex and look
+back at it.
 """
 
 from __future__ import annotations
