@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from meshdepict.errors import MeshdepictError, MeshdepictWarning
 from meshdepict.images.gutters import fill_gutters, put_texels
-from meshdepict.scales.mapped_normals import TangentFrames, mapped_normals
+from meshdepict.scales.mapped_normals import NormalMaps
 from meshdepict.scales.space import ScaleSpace
 from meshdepict.scales.texel_scales import TexelSpace
 from meshdepict.threads import each
@@ -26,6 +26,10 @@ if TYPE_CHECKING:
     from meshdepict.shapes.textures import Textures
 
 __all__ = ["Ladder", "Paint", "Places", "TexelSampling", "usable_normal_maps"]
+
+_SPREAD = 30_000  # samples that stand for all
+# Multiples of these fill the unit square evenly: powers of the root of x³ = x + 1.
+_STEPS = (0.7548776662466927, 0.5698402909980532)
 
 Ladder = tuple[int, float]
 Bytes = NDArray[np.uint8]
@@ -65,7 +69,7 @@ class TexelSampling:
     atlas : Atlas
     spaces : {(scales, ratio): ScaleSpace}
         Of the mesh that is shaded.
-    mapped : (TangentFrames, Textures), optional
+    mapped : NormalMaps, optional
         Its normal maps.
     finer : FinerSurface, optional
         What finds places on a finer mesh, which then is the one that is shaded.
@@ -76,7 +80,7 @@ class TexelSampling:
     mesh: Mesh
     atlas: Atlas
     spaces: Mapping[Ladder, ScaleSpace]
-    mapped: tuple[TangentFrames, Textures] | None = None
+    mapped: NormalMaps | None = None
     finer: FinerSurface | None = None
     albedo: Callable[[Places], NDArray[Any]] | None = None
 
@@ -126,6 +130,24 @@ class TexelSampling:
         fill_gutters(image, inside, self.atlas.gutter)
         return image
 
+    def spread(self) -> Mapping[Ladder, ScaleSpace]:
+        """Return samples for numbers that follow the shape: the vertices, or with maps some texels.
+
+        These are as dense everywhere.
+        """
+        if self.mapped is None:
+            return self.spaces
+        a, b, c = (self.mesh.unit_points[corner] for corner in self.mesh.faces.T)
+        areas = np.linalg.norm(np.cross(b - a, c - a), axis=1)
+        upto = np.cumsum(areas)
+        number = np.arange(_SPREAD) + 0.5
+        place = np.searchsorted(upto, number / _SPREAD * upto[-1])
+        triangle = np.minimum(place, len(areas) - 1).astype(np.int32)
+        one, other = (np.float32(number * step % 1) for step in _STEPS)
+        root = np.sqrt(one)
+        weights = np.stack([1 - root, root * (1 - other), root * other], axis=1)
+        return self._samples(self._places(triangle, weights))
+
     def _places(self, triangle: NDArray[np.int32], weights: NDArray[np.float32]) -> Places:
         shaded = triangle, weights
         if self.finer is not None:
@@ -138,19 +160,19 @@ class TexelSampling:
         return next(iter(self.spaces.values())).surface.faces.astype(np.int32)
 
     def _samples(self, places: Places) -> dict[Ladder, ScaleSpace]:
-        normals = None
-        if self.mapped is not None:
-            normals = mapped_normals(*self.mapped, places.triangle, places.weights)
         return {
-            ladder: TexelSpace(space, places.corners, places.shaded_weights, normals=normals)
+            ladder: TexelSpace(
+                space, places.corners, places.shaded_weights,
+                maps=self.mapped, triangle=places.shaded_triangle,
+            )
             for ladder, space in self.spaces.items()
-        }
+        }  # fmt: skip
 
 
 def usable_normal_maps(
     textures: Textures | None, mesh: Mesh, spaces: Mapping[Ladder, ScaleSpace]
-) -> tuple[TangentFrames, Textures] | None:
-    """Return the normal maps of a mesh with the frames that they refer to, if it has any."""
+) -> NormalMaps | None:
+    """Return the normal maps of a mesh, if it has any that can be had."""
     if textures is None or not any(each is not None for each in textures.normal_maps):
         return None
     kept = []
@@ -165,8 +187,4 @@ def usable_normal_maps(
     if not any(each is not None for each in kept):
         return None
     textures = replace(textures, normal_maps=tuple(kept))
-    texcoords = textures.texcoords
-    if textures.normal_texcoords is not None:
-        texcoords = textures.normal_texcoords
-    normals = next(iter(spaces.values())).normals_at(0)
-    return TangentFrames(mesh, normals, texcoords), textures
+    return NormalMaps(mesh, next(iter(spaces.values())).normals_at(0), textures)

@@ -266,7 +266,7 @@ class _Texture:
             frames = TangentFrames(self.mesh, self.mesh.normals, self.atlas.texcoords)
             paint = normal_painter(frames)
         else:
-            shading = self._settled(shading, spaces)
+            shading = self._settled(shading, sampling)
             paint = shading_painter(shading, spaces, sampling.albedo)
         image = sampling.image(paint, progress=progress)
         provenance = describe(shading.look, max(spaces.items())[1], light=shading.light)
@@ -289,13 +289,12 @@ class _Texture:
             layered = Layered(chosen.replace(view=look.view, up=look.up), MESH)
         return SampleShading(look, look.lighting(eye, MESH), eye, layered)
 
-    def _settled(
-        self, shading: SampleShading, spaces: Mapping[Ladder, ScaleSpace]
-    ) -> SampleShading:
-        """Find what follows the shape, from its vertices; say what is too bright."""
+    def _settled(self, shading: SampleShading, sampling: TexelSampling) -> SampleShading:
+        """Find what follows the shape; say what is too bright."""
+        spaces = sampling.spaces
         for ladder, space in spaces.items():
             _prepare(space, shading.reads(ladder, space.last), None)
-        shading = shading.settled(spaces)
+        shading = shading.settled(sampling.spread())
         look = shading.look
         if look.tint is not None:
             look, _ = tinted(look, heights_of(next(iter(spaces.values())), look.axis(MESH)))

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from meshdepict.transport.occlusion import Openness
     from meshdepict.transport.transfer import Transfer
 
-__all__ = ["InterpolatedSpace"]
+__all__ = ["InterpolatedSpace", "bent"]
 
 Floats = NDArray[np.float64]
 
@@ -140,15 +140,7 @@ class InterpolatedSpace(ScaleSpace):
                 along, across = (np.einsum("ni,ni->n", d[corner], axis) for axis in (a, b))
                 bend = weight * k[corner]
                 aa, ab, bb = aa + bend * along**2, ab + bend * along * across, bb + bend * across**2
-        mean, half = (aa + bb) / 2, (aa - bb) / 2
-        radius = np.hypot(half, ab)
-        cosine, sine = (v[:, None] for v in halved_angle(half, ab))
-        large, small = cosine * a + sine * b, cosine * b - sine * a
-        turned = mean < 0  # the smaller eigenvalue is larger in magnitude
-        first, second = np.where(turned, -radius, radius) + mean, np.where(turned, radius, -radius)
-        one = np.where(turned[:, None], small, large).astype(np.float32)
-        two = np.where(turned[:, None], -large, small).astype(np.float32)
-        return PrincipalCurvatures(first, mean + second, one, two)
+        return bent(a, b, aa, ab, bb)
 
     def _turns(self, scale: int) -> NDArray[np.float32]:
         return self.source.crease_cosines(scale)[self._corners].min(axis=1)
@@ -158,3 +150,24 @@ class InterpolatedSpace(ScaleSpace):
 
         values = self._spread(self.source.occlusion(rays)).astype(np.float32)
         return Openness(values, self.source.occlusion_errors[rays])
+
+
+def bent(a: Floats, b: Floats, aa: Any, ab: Any, bb: Any) -> PrincipalCurvatures:
+    """Return the principal curvatures of shape operators.
+
+    Parameters
+    ----------
+    a, b : (n, 3) array
+        Axes of the tangent planes, unit and at right angles.
+    aa, ab, bb : (n,) array
+        The operators' numbers in them.
+    """
+    mean, half = (aa + bb) / 2, (aa - bb) / 2
+    radius = np.hypot(half, ab)
+    cosine, sine = (v[:, None] for v in halved_angle(half, ab))
+    large, small = cosine * a + sine * b, cosine * b - sine * a
+    turned = mean < 0  # the smaller eigenvalue is larger in magnitude
+    first, second = np.where(turned, -radius, radius) + mean, np.where(turned, radius, -radius)
+    one = np.where(turned[:, None], small, large).astype(np.float32)
+    two = np.where(turned[:, None], -large, small).astype(np.float32)
+    return PrincipalCurvatures(first, mean + second, one, two)

@@ -212,6 +212,29 @@ def test_a_normal_map_gives_the_unsmoothed_normals():
     assert "normals of its normal map" in shown.provenance["texture"]
 
 
+def test_what_follows_the_shape_follows_its_normal_map_too():
+    flat = sheet(16, height=lambda x, y: 0.02 * np.sin(9 * x))
+    mapped = laid(flat, flat.texcoords, normal=picture(bumps(depth=0.1)))
+    finest = [
+        bake_texture(mesh, size=128).look.options["exaggeration"][0] for mesh in (flat, mapped)
+    ]
+    assert finest[1] < finest[0]
+
+
+def test_radiance_scaling_brightens_the_bumps_of_a_normal_map():
+    """On the unsmoothed scale curvature is the map's: a bump is where its normals part."""
+    flat = sheet(2)
+    mapped = laid(flat, flat.texcoords, normal=picture(bumps(number=4)))
+    options = {"size": 256, "map": "curvature", "scale": 0}
+    shown = bake_texture(mapped, **options).image[..., 0].astype(int)
+    assert np.ptp(bake_texture(flat, **options).image) == 0
+    v, u = (np.mgrid[:256, :256] + 0.5) / 256
+    # ∇·n of the map: convex where its normals part.
+    bend = -np.sin(2 * np.pi * 4 * u) - np.sin(2 * np.pi * 4 * (1 - v))
+    assert (shown[bend > 0.7] > 128).all()
+    assert (shown[bend < -0.7] < 128).all()
+
+
 def test_a_normal_map_that_cant_be_read_is_left_out_with_a_note():
     flat = sheet(2)
     broken = laid(flat, flat.texcoords, normal=Texture("moon.png", b"no picture", "png"))
