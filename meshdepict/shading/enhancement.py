@@ -2,12 +2,18 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from meshdepict.shading.gathering import PLAIN
 from meshdepict.shading.scaling_equation import scaling
+
+if TYPE_CHECKING:
+    from meshdepict.scene.light import Light
+    from meshdepict.shading.scaled_transfer import ScaledTransfer
+    from meshdepict.transport.transfer import Transfer
 
 __all__ = ["Enhancement"]
 
@@ -15,7 +21,7 @@ Single = NDArray[np.float32]
 
 
 class Enhancement(NamedTuple):
-    """How light is scaled at the vertices of a surface.
+    """How light is scaled at the vertices of a surface: a `Gathering`.
 
     Attributes
     ----------
@@ -38,6 +44,19 @@ class Enhancement(NamedTuple):
             scaling(self.convexity, delta, invariant=self.invariant, magnitude=self.magnitude),
             np.float32,
         )
+
+    def falls(self, normals: NDArray[Any], light: Light) -> Single:
+        """Return ⟨n·l⟩, scaled."""
+        plainly = PLAIN.falls(normals, light)
+        return plainly * self.factor(plainly)
+
+    def along(self, transfer: Transfer, *, again: bool = False) -> ScaledTransfer:
+        """Return what scales each ray."""
+        from meshdepict.shading.scaled_transfer import ScaledTransfer
+
+        # E = e^−γκ and its limits are the equation's at δ = 0.
+        faded = self.factor(np.zeros(len(self.convexity), np.float32))
+        return ScaledTransfer(transfer, faded, self.invariant)
 
     def at(self, chosen: NDArray[np.int64]) -> Enhancement:
         """Return that of some of the vertices."""

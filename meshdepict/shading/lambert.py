@@ -45,7 +45,7 @@ def lambert(
         return linear_to_srgb(exposed(arriving, exposure))
 
     cosine = _cosine(space, light)
-    seen, around = reached(
+    seen, around, _ = reached(
         space, [_white(light)], shadows=shadows, bounces=bounces, rays=rays, albedo=1.0,
         shown=shown,
     )  # fmt: skip
@@ -71,7 +71,7 @@ def half_lambert(
         return exposed((1 + arriving) / 2, exposure)
 
     cosine = _cosine(space, light)
-    seen, around = reached(
+    seen, around, _ = reached(
         space, [_white(light)], shadows=shadows, bounces=bounces, rays=rays, albedo=1.0,
         shown=shown,
     )  # fmt: skip

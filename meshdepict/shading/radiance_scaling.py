@@ -40,6 +40,7 @@ from meshdepict.shading.features import (
     curved,
     eyes,
 )
+from meshdepict.shading.gathering import PLAIN, Gathering
 from meshdepict.shading.hidden_light import albedo, hidden_direct, refuse_unhidden
 from meshdepict.shading.method import Exposure, exposed, method
 from meshdepict.shading.reached import USUAL_RAYS, Bounces, Reached, Shadows, ray_count, reached
@@ -262,7 +263,7 @@ def radiance_scaling(
         ambient = ambient_term(chosen)
         reach = Reached((None,) * len(lamps))
         if shadows or bounces:
-            enhancement = None
+            gathering: Gathering = PLAIN
             if frames is not None and gamma_d and (bounces or environments):
                 vertices = space.vertex_space
                 bend = kappa
@@ -271,7 +272,7 @@ def radiance_scaling(
                         vertices, eye, curvature=curvature, scale=scale, gain=gain,
                         foreshortening=foreshortening,
                     )  # fmt: skip
-                enhancement = Enhancement(bend, gamma_d, alpha, enhance == "all")
+                gathering = Enhancement(bend, gamma_d, alpha, enhance == "all")
 
             def displayed(light: Floats) -> Floats:
                 return linear_to_srgb(exposed(ambient + albedo(chosen) * light, exposure))
@@ -279,7 +280,7 @@ def radiance_scaling(
             reach = reached(
                 space, lamps, environments, shadows=shadows, bounces=bounces,
                 rays=rays or USUAL_RAYS, albedo=albedo(chosen), shown=displayed,
-                enhancement=enhancement,
+                gathering=gathering,
             )  # fmt: skip
         shaded = hidden_direct(
             space, lamps, eyes(space, eye), chosen, reach, environments=environments, count=lights,

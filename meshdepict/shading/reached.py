@@ -12,7 +12,7 @@ falls first, as without them; from there on surfaces are in each other's way as 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,16 +21,9 @@ from meshdepict.options import Flag, Range
 from meshdepict.scales.space import ScaleSpace
 from meshdepict.scene.environment import Environment
 from meshdepict.scene.light import Light
-from meshdepict.scene.vectors import cosines
+from meshdepict.shading.gathering import PLAIN, Gathering, Gathers, fallen
 from meshdepict.transport.radiosity import bounced
 from meshdepict.transport.rays import AGAIN, MOST_RAYS, probed
-
-if TYPE_CHECKING:
-    from meshdepict.shading.enhancement import Enhancement
-    from meshdepict.shading.scaled_transfer import ScaledTransfer
-    from meshdepict.transport.transfer import Transfer
-
-    Gathers = Transfer | ScaledTransfer
 
 __all__ = [
     "USUAL_RAYS",
@@ -69,10 +62,13 @@ class Reached(NamedTuple):
         V of every light: the share that each sample sees; None: all.
     around : (n,) or (n, 3) array, optional
         E_k − E_0 of the lights: from the sky and by bounces, in units of a cosine. None: nothing.
+    sent : (v,) or (v, 3) array, optional
+        B_{k−1} of the vertices of the surface, which the last bounce brought. None: no bounce.
     """
 
     seen: Shares
     around: Single | None = None
+    sent: Single | None = None
 
 
 def ray_count(*, shadows: bool, bounces: int, rays: int) -> int:
@@ -90,7 +86,7 @@ def reached(
     rays: int,
     albedo: float,
     shown: Callable[[NDArray[Any]], NDArray[Any]],
-    enhancement: Enhancement | None = None,
+    gathering: Gathering = PLAIN,
 ) -> Reached:
     """Return what samples see of lights, and what comes to them by other ways.
 
@@ -109,8 +105,8 @@ def reached(
         What matt surfaces send on.
     shown : callable
         What the method displays, in [0, 1], where so much light arrives.
-    enhancement : Enhancement, optional
-        What scales light at the vertices of the surface: then ``around`` is scaled.
+    gathering : Gathering
+        What the method makes of light at the vertices of the surface: ``around`` is gathered so.
 
     Raises
     ------
@@ -127,12 +123,12 @@ def reached(
         if soft:
             places = space.surface.recentred(space.points), space.normals_at(0)
             chosen = probed(len(space.points))
-            once = _fallen(places[1], lights, seen)[chosen]
+            once = fallen(PLAIN, places[1], lights, seen)[chosen]
             at = places[0][chosen], places[1][chosen]
             seen_again = tuple(
                 space.seen_share(each, rays=rays, at=at, steps=AGAIN) for each in lights
             )
-            _record(space, rays, shown(once), shown(_fallen(at[1], lights, seen_again)))
+            _record(space, rays, shown(once), shown(fallen(PLAIN, at[1], lights, seen_again)))
         return Reached(seen)
 
     transfer = space.transport(rays)
@@ -140,34 +136,25 @@ def reached(
     falling = seen
     if shadows and not space.at_vertices:
         falling = tuple(space.seen_share(light, rays=rays, at=at) for light in lights)
-    first: Gathers = transfer  # for what is shown
-    inner: Gathers = transfer  # for what is sent on
-    inside: Enhancement | None = None
-    if enhancement is not None:
-        from meshdepict.shading.scaled_transfer import ScaledTransfer
-
-        first = ScaledTransfer(transfer, enhancement, transfer.points)
-        if enhancement.everywhere:
-            inner, inside = first, enhancement
+    inside = gathering if gathering.everywhere else PLAIN  # for what is sent on
+    first, inner = gathering.along(transfer), inside.along(transfer)
     from meshdepict.transport.sky_cells import parted_sky
 
     parts = [parted_sky(environment) for environment in environments]
     skies, lamps = [sky for sky, _ in parts], [lamp for _, some in parts for lamp in some]
     lit = tuple(space.seen_share(lamp, at=at) for lamp in lamps)
-    shone = _fallen(at[1], lamps, lit, enhancement)
+    shone = fallen(gathering, at[1], lamps, lit)
     around = added(_sky(first, skies), shone)
     sent: Single | None = None
     if bounces:
-        start = added(_fallen(at[1], lights, falling, inside), _sky(inner, skies))
-        start = added(start, _fallen(at[1], lamps, lit, inside))
+        start = added(fallen(inside, at[1], lights, falling), _sky(inner, skies))
+        start = added(start, fallen(inside, at[1], lamps, lit))
         _, sent = bounced(inner, start, albedo=albedo, bounces=bounces)
         around = added(around, first.from_surface(sent))
     if probes := transfer.probes:
         chosen = probes.chosen
-        own = None if enhancement is None else enhancement.at(chosen)
-        second: Gathers = probes.transfer
-        if own is not None:
-            second = ScaledTransfer(probes.transfer, own, transfer.points)
+        own = gathering.at(chosen)
+        second = own.along(probes.transfer, again=True)
         places = transfer.points[chosen], transfer.normals[chosen]
         known: Shares = tuple(share if share is None else share[chosen] for share in falling)
         others: Shares = known
@@ -180,29 +167,10 @@ def reached(
             again = added(again, second.from_surface(sent))
         _record(
             space, rays,
-            shown(added(_fallen(places[1], lights, known, own), around[chosen])),
-            shown(added(_fallen(places[1], lights, others, own), again)),
+            shown(added(fallen(own, places[1], lights, known), around[chosen])),
+            shown(added(fallen(own, places[1], lights, others), again)),
         )  # fmt: skip
-    return Reached(seen, space.of_vertices(around).astype(np.float32))
-
-
-def _fallen(
-    normals: NDArray[Any],
-    lights: Sequence[Light],
-    seen: Shares,
-    enhancement: Enhancement | None = None,
-) -> Single:
-    """Return Σ L ⟨n·l⟩ V of the lights, scaled, (n,) where none is coloured, else (n, 3)."""
-    colors = np.array([light.color for light in lights], np.float32).reshape(-1, 3)
-    gray = bool((colors == colors[:, :1]).all())
-    total = np.zeros((len(normals), 1 if gray else 3), np.float32)
-    for light, color, share in zip(lights, colors, seen, strict=True):
-        falls = np.maximum(cosines(normals, light.direction), 0).astype(np.float32)
-        if enhancement is not None:
-            falls = falls * enhancement.factor(falls)
-        falls = falls if share is None else falls * share
-        total += falls[:, None] * color[: total.shape[1]]
-    return total[:, 0] if gray else total
+    return Reached(seen, space.of_vertices(around).astype(np.float32), sent)
 
 
 def _sky(transfer: Gathers, environments: Sequence[Environment]) -> Single:

@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from meshdepict.shading.enhancement import Enhancement
 from meshdepict.threads import each, kernel, spans, thread_count
 from meshdepict.transport.sky_cells import cell_directions, sky_colors
 
@@ -32,20 +31,15 @@ class ScaledTransfer:
     Parameters
     ----------
     transfer : Transfer
-    enhancement : Enhancement
-        Of its samples.
-    surface : (v, 3) array
-        The vertices of the faces that rays meet, where the samples' positions are.
+    faded : (n,) array of float32
+        The scaling of its samples where the reflectance mapping δ is 0.
+    invariant : float
+        α.
     """
 
-    def __init__(
-        self, transfer: Transfer, enhancement: Enhancement, surface: NDArray[np.float64]
-    ) -> None:
-        self._transfer, self._surface = transfer, surface
-        alpha = np.float32(enhancement.invariant)
-        # E = e^−γκ and its limits are the equation's at δ = 0.
-        self._faded = enhancement.factor(np.zeros(len(enhancement.convexity), np.float32))
-        self._alpha = alpha
+    def __init__(self, transfer: Transfer, faded: Single, invariant: float) -> None:
+        self._transfer = transfer
+        self._faded, self._alpha = faded, np.float32(invariant)
         self._share = np.float32(1 / transfer.rays)
 
     def __len__(self) -> int:
@@ -60,7 +54,7 @@ class ScaledTransfer:
         each(
             lambda a, b: _scaled_surface(
                 t.hits, t.triangle, t.weights, t.faces, columns, t.points, t.normals,
-                self._surface, self._faded, self._alpha, self._share, a, b, out,
+                t.surface, self._faded, self._alpha, self._share, a, b, out,
             ),
             spans(len(t), thread_count()),
         )  # fmt: skip

@@ -39,8 +39,8 @@ def bounced(
         T.
     light : (n,) or (n, c) array
         E_0 in units of irradiance over π: a light of 1 along the normal gives 1.
-    albedo : float or array that fits the light
-        ρ in [0, 1].
+    albedo : float, (n,) or (n, c) array
+        ρ in [0, 1]; what it colours has its channels.
     bounces : int
         k; with 0 the light comes back as it is.
     emitted : float or array that fits the light
@@ -55,6 +55,10 @@ def bounced(
     """
     start = np.asarray(light, np.float32)
     reflected, own = np.asarray(albedo, np.float32), np.asarray(emitted, np.float32)
+    if reflected.ndim > start.ndim:  # colours under light that has none
+        start = np.repeat(start[:, None], reflected.shape[1], axis=1)
+    elif 0 < reflected.ndim < start.ndim:
+        reflected = reflected[:, None]
     arriving, sent = start, own + reflected * start
     for bounce in range(bounces):
         if bounce:

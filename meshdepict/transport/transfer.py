@@ -62,8 +62,10 @@ class Transfer:
     ----------
     rays : int
         Of each sample.
-    points, normals : (n, 3) arrays
-        Of the samples: positions in the mesh's unit frame, unit normals.
+    points, normals, lifts : (n, 3) arrays
+        Of the samples: positions in the mesh's unit frame, unit normals, and where rays start off.
+    surface : (v, 3) array
+        Positions of the vertices that rays meet.
     faces : (m, 3) array of int32
         The triangles that rays meet.
     hits : (n + 1,) array of int64
@@ -82,6 +84,8 @@ class Transfer:
     rays: int
     points: Floats
     normals: Single
+    lifts: Single
+    surface: Floats
     faces: NDArray[np.int32]
     hits: NDArray[np.int64]
     triangle: NDArray[np.int32]
@@ -239,10 +243,11 @@ def _traced(
     hits, misses = np.concatenate([np.zeros((2, 1), np.int64), counts.cumsum(axis=1)], axis=1)
     triangle, weights, sky = (np.concatenate([part[i] for part in parts]) for i in (1, 2, 3))
     found = Transfer(
-        rays, points, np.asarray(normals, np.float32), faces, hits, triangle, weights, misses, sky,
+        rays, points, np.asarray(normals, np.float32), np.asarray(lifts, np.float32),
+        mesh.unit_points, faces, hits, triangle, weights, misses, sky,
         probes,
     )  # fmt: skip
-    for array in (found.normals, faces, hits, triangle, weights, misses, sky):
+    for array in (found.normals, found.lifts, faces, hits, triangle, weights, misses, sky):
         array.setflags(write=False)
     return found
 

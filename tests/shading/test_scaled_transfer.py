@@ -14,7 +14,6 @@ from meshdepict.scene.view import View
 from meshdepict.shading.enhancement import Enhancement
 from meshdepict.shading.features import features
 from meshdepict.shading.radiance_scaling import radiance_scaling, scaling
-from meshdepict.shading.scaled_transfer import ScaledTransfer
 from meshdepict.transport.sky_cells import cell_directions
 
 SIDE = (-1.0, 0.2, 0.3)
@@ -81,9 +80,7 @@ def test_a_sky_is_scaled_ray_by_ray(space):
     kappa, transfer = bends(space), space.transport(16)
     pixels = np.random.default_rng(3).random((8, 16, 3)).astype(np.float32)
     environment = Environment(pixels)
-    found = ScaledTransfer(transfer, Enhancement(kappa, 4.0, 0.5), transfer.points).from_sky(
-        environment
-    )
+    found = Enhancement(kappa, 4.0, 0.5).along(transfer).from_sky(environment)
     from meshdepict.transport.sky_cells import sky_colors
 
     colors, directions = sky_colors(environment, 16), cell_directions()
