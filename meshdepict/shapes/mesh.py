@@ -196,6 +196,12 @@ class Mesh(Geometry):
 
     def _fit(self, textures: Textures) -> Textures:
         """Return textures that fit the mesh's triangles."""
+        from meshdepict.shapes.textures import Textures
+
+        if not isinstance(textures, Textures):
+            raise MeshdepictError(
+                f"textures={textures!r:.80} are neither Textures nor a function that returns them"
+            )
         if len(textures.material) != len(self.faces):
             raise MeshdepictError(
                 f"textures of {len(textures.material):,} triangles don't fit a mesh of "
