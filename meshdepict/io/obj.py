@@ -6,7 +6,6 @@ import io
 import math
 import warnings
 from dataclasses import dataclass
-from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, BinaryIO
 
@@ -72,12 +71,12 @@ class ObjDocument(Document):
         corner = parse_normals(lines.bodies(b"f"), lambda: lines.before(b"f", b"vn"))
         return normals, np.where((corner >= 0) & (corner < len(normals)), corner, -1)
 
-    @cached_property
+    @property
     def extras(self) -> tuple[str, ...]:
         """What the file holds that no other format keeps."""
         return ("materials and textures",) if self.is_textured else ()
 
-    @cached_property
+    @property
     def is_textured(self) -> bool:
         """Whether a material of the file's libraries has a picture, and its faces coordinates."""
         if not len(self.texture) or b"mtllib" not in self.data:

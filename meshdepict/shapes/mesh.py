@@ -206,7 +206,9 @@ class Mesh(Geometry):
         from meshdepict.shapes.textures import Textures
 
         if not isinstance(textures, Textures):
-            raise MeshdepictError(f"textures={textures!r:.80} are no Textures of a mesh")
+            raise MeshdepictError(
+                f"textures={textures!r:.80} are neither Textures nor a function that returns them"
+            )
         if len(textures.material) != len(self.faces):
             raise MeshdepictError(
                 f"textures of {len(textures.material):,} triangles don't fit a mesh of "

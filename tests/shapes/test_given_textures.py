@@ -26,7 +26,7 @@ def test_textures_of_another_number_of_triangles_and_what_are_none_are_refused()
     flat = sheet(3)
     with pytest.raises(MeshdepictError, match="textures of 192 triangles don't fit a mesh of 18"):
         flat.with_textures(globe(4).textures)
-    with pytest.raises(MeshdepictError, match=r"textures='oak\.png' are no Textures"):
+    with pytest.raises(MeshdepictError, match=r"textures='oak\.png' are neither Textures"):
         Mesh(flat.vertices, flat.faces, textures="oak.png")
 
 

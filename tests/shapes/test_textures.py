@@ -109,6 +109,9 @@ def test_parts_that_do_not_fit_are_refused():
             replace(whole, **change)
     with pytest.raises(MeshdepictError, match="textures of 1 triangles don't fit a mesh of 2"):
         Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2], [0, 1, 2]], textures=whole)
+    for wrong in (True, [whole]):
+        with pytest.raises(MeshdepictError, match="are neither Textures nor a function"):
+            Mesh(mesh.vertices, mesh.faces, textures=wrong)
     assert Mesh(mesh.vertices, mesh.faces, textures=whole).textures is whole
     assert Mesh(mesh.vertices, mesh.faces, textures=lambda: whole).textures is whole
     assert Mesh(mesh.vertices, mesh.faces, textures=lambda: None).textures is None
