@@ -61,7 +61,7 @@ class GaussianSums:
     ) -> None:
         self._points, self._channels = points, channels
         self._widths = tuple(widths)
-        self._apart = _squared_distances(np.ascontiguousarray(points.T), None)
+        self._apart = np.sqrt(_squared_distances(np.ascontiguousarray(points.T), None))
         self._grid: grid.PointGrid | None = None
 
     def at(
@@ -133,7 +133,7 @@ class GaussianSums:
         pairs = (count + 1) // 2
         wanted = points if targets is None else int(targets.sum())
         if targets is None:
-            near = float(np.mean(self._apart <= (_COARSER * radius * width) ** 2))
+            near = float(np.mean(self._apart <= _COARSER * radius * width))
             direct_cost = _pair_cost(near, points, points, count)
         else:
             direct_cost = _direct_cost(xyz, radius, count, targets)
@@ -143,7 +143,7 @@ class GaussianSums:
                 self._grid = grid.PointGrid(self._points, channels, self._widths)
             if self._grid.cost(width, rule, wanted) < direct_cost:
                 return self._grid.sums(width, rule, targets=targets, done=done)
-        elif share > _SPECTRAL_FLOOR and spectral.least_cost(wanted, share, pairs) < direct_cost:
+        if share > _SPECTRAL_FLOOR and spectral.least_cost(wanted, share, pairs) < direct_cost:
             tiles, cost = spectral.plan_tiles(xyz, share, pairs, targets)
             if cost < direct_cost:
                 rows = _with_rows(channels, 2 * pairs, _precision(share, spectral.SINGLE_FLOOR))
@@ -187,7 +187,11 @@ def predicted_seconds(
     cost, rule, count = direct_cost, grid.rule_for(share), len(points)
     if rule is not None and grid.least_cost(count, count, channels, rule) < direct_cost:
         cost = min(direct_cost, grid.predicted_cost(points, width, rule, channels))
-    elif share > _SPECTRAL_FLOOR and spectral.least_cost(len(points), share, pairs) < direct_cost:
+    if (
+        cost == direct_cost
+        and share > _SPECTRAL_FLOOR
+        and spectral.least_cost(len(points), share, pairs) < direct_cost
+    ):
         cost = min(direct_cost, spectral.planned_seconds(xyz, share, pairs))
     return cost + _POINT_SECONDS * len(points)
 

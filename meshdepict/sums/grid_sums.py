@@ -29,7 +29,7 @@ Single = NDArray[np.float32]
 _PIECE = 4096  # points that are spread by one thread, at least
 _MOST_BLOCKS = 8192  # at once: 150 MB of nine channels, and three times that while they are blurred
 _ROOM = 16  # blocks round all points: farther no blur reaches
-_FINEST = 1e7  # spacings in the extent of the points, at most: keys stay within 63 bits
+_FINEST = 5e6  # widths in the extent of the points, at most: keys stay within 63 bits
 _CORNERS: Ints = np.array([(x, y, z) for z in (0, 1) for y in (0, 1) for x in (0, 1)])
 _COARSE = 16  # cells along the longest side, by which a surface's extent is estimated
 
@@ -57,6 +57,8 @@ def predicted_cost(points: Floats, width: float, rule: Rule, channels: int) -> f
     low = points.min(axis=0)
     longest = float((points.max(axis=0) - low).max()) or 1.0
     cell = ((points - low) * (_COARSE / longest)).astype(np.int64) @ (1, 32, 1024)
+    if width > longest:
+        return math.inf
     area = _area(len(np.unique(cell)), longest)
     return _cost(len(points), area, width, width, rule, channels)
 
@@ -71,7 +73,7 @@ def _cost(
     """Return the core-seconds of a sum on the grid of a narrower width, or of its own."""
     spacing = leader / rule.density
     taps = len(blur_taps(rule, width / spacing))
-    blocks = 8 + 3.3 * area / (BLOCK * spacing) ** 2
+    blocks = 8 + 3.3 * area / (BLOCK * spacing) / (BLOCK * spacing)  # no square: it may overflow
     cost = 3 * blocks * BLOCK**3 * taps * channels * _TAP_SECONDS
     nodes = channels * rule.nodes**3
     if leader == width:
@@ -140,9 +142,13 @@ class PointGrid:
         self._scratch = [np.empty((0, 0), np.float32)] * 2
 
     def cost(self, width: float, rule: Rule, wanted: int) -> float:
-        """Return the core-seconds that a sum at so many points is expected to take."""
+        """Return the core-seconds that a sum at so many points is expected to take.
+
+        Infinite where the points lie within a width, all between the same few nodes, and where they
+        lie farther apart than nodes can be counted.
+        """
         leader = self._leader(width, rule)
-        if self._longest * rule.density > _FINEST * leader:
+        if not leader <= self._longest <= _FINEST * leader:
             return math.inf
         count, channels = self._values.shape
         unwanted = (count - wanted) * channels * rule.nodes**3 * _GATHER_SECONDS
