@@ -28,15 +28,15 @@ def own_texcoords(mesh: Mesh) -> tuple[Floats, NDArray[np.bool_]] | None:
     without any. Where a triangle has none, or such as are no numbers, they are 0.
     """
     if mesh.textures is not None:
-        found = mesh.textures.texcoords
-        blank = (found == 0).all(axis=2).any(axis=1)  # what has none has no material either
-        return found, ~((mesh.textures.material < 0) & blank)
+        laid = mesh.textures.texcoords
+        blank = (laid == 0).all(axis=2).any(axis=1)  # what has none has no material either
+        return laid, ~((mesh.textures.material < 0) & blank)
     found = _of_corners(mesh)
     if found is None:
         found = _of_vertices(mesh)
     if found is None:
         return None
-    placed = np.isfinite(found).all(axis=(1, 2))
+    placed: NDArray[np.bool_] = np.isfinite(found).all(axis=(1, 2))
     return np.where(placed[:, None, None], found, 0.0), placed
 
 
