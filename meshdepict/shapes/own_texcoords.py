@@ -36,7 +36,7 @@ def own_texcoords(mesh: Mesh) -> tuple[Floats, NDArray[np.bool_]] | None:
         found = _of_vertices(mesh)
     if found is None:
         return None
-    placed: NDArray[np.bool_] = np.isfinite(found).all(axis=(1, 2))
+    placed = np.asarray(np.isfinite(found).all(axis=(1, 2)))
     return np.where(placed[:, None, None], found, 0.0), placed
 
 
