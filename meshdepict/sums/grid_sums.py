@@ -27,7 +27,7 @@ Ints = NDArray[np.int64]
 Single = NDArray[np.float32]
 
 _PIECE = 4096  # points that are spread by one thread, at least
-_MOST_BLOCKS = 8192  # at once: 150 MB of nine channels, and three times that while they are blurred
+_MOST_BLOCKS = 4096  # at once: 75 MB of nine channels, and three times that while they are blurred
 _ROOM = 16  # blocks round all points: farther no blur reaches
 _FINEST = 5e6  # widths in the extent of the points, at most: keys stay within 63 bits
 _CORNERS: Ints = np.array([(x, y, z) for z in (0, 1) for y in (0, 1) for x in (0, 1)])
