@@ -71,14 +71,20 @@ def _cost(
     points: int, area: float, width: float, leader: float, rule: Rule, channels: int
 ) -> float:
     """Return the core-seconds of a sum on the grid of a narrower width, or of its own."""
+    many, nodes, taps = _parts(points, area, width, leader, rule, channels)
+    anew = many * _POINT_SECONDS + nodes * _SPREAD_SECONDS if leader == width else 0.0
+    return anew + nodes * _GATHER_SECONDS + taps * _TAP_SECONDS
+
+
+def _parts(
+    points: int, area: float, width: float, leader: float, rule: Rule, channels: int
+) -> tuple[float, float, float]:
+    """Return points, channels of nodes that those are spread on, and of taps of the blur."""
     spacing = leader / rule.density
     taps = len(blur_taps(rule, width / spacing))
     blocks = 8 + 3.3 * area / (BLOCK * spacing) / (BLOCK * spacing)  # no square: it may overflow
-    cost = 3 * blocks * BLOCK**3 * taps * channels * _TAP_SECONDS
-    nodes = channels * rule.nodes**3
-    if leader == width:
-        cost += points * (_POINT_SECONDS + nodes * _SPREAD_SECONDS)
-    return cost + points * nodes * _GATHER_SECONDS
+    nodes = points * rule.nodes**3 * channels
+    return points, nodes, 3 * blocks * BLOCK**3 * taps * channels
 
 
 class _Points(NamedTuple):
@@ -157,6 +163,15 @@ class PointGrid:
     def _seconds(self, width: float, leader: float, rule: Rule) -> float:
         count, channels = self._values.shape
         return _cost(count, self._area, width, leader, rule, channels)
+
+    def parts(self, width: float, rule: Rule) -> tuple[float, float, float]:
+        """Return how much of what the cost model counts a sum with a grid of its own has."""
+        count, channels = self._values.shape
+        return _parts(count, self._area, width, width, rule, channels)
+
+    def forget(self) -> None:
+        """Let go of what was spread."""
+        self._kept = None
 
     def _leader(self, width: float, rule: Rule) -> float:
         """Return the width whose spacing a width has: its own, or a narrower one's."""
