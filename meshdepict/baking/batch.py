@@ -77,6 +77,8 @@ class Batch:
         Whether turned faces are written.
     triangles : bool
         Whether polygons and strips are written as triangles.
+    quantize : bool
+        Whether .glb and .gltf hold positions in 16 bits.
     force : bool
         Whether to replace files that this program didn't write.
     quiet : bool
@@ -90,6 +92,7 @@ class Batch:
     winding: str = "auto"
     fix_winding: bool = False
     triangles: bool = False
+    quantize: bool = False
     force: bool = False
     quiet: bool = False
 
@@ -150,6 +153,10 @@ class Batch:
         name = f"{stem(source)}-{self.look.title}"
         output = _target(self.output or ".", f"{name}.ply", "-o")
         _check_format(output)
+        if self.quantize and suffix_of(output) not in (".glb", ".gltf"):
+            raise MeshdepictError(
+                f"{output}: --quantize is about .glb and .gltf: leave it out, or save as one"
+            )
         picture, first = None, source is None and self.picture is None
         if first:
             picture = output.with_name(f"{stem(output)}.png")
@@ -186,7 +193,7 @@ class Batch:
                 self._check_fit(shape, look)
             look = measured(look, shape, self.figure if job.picture else None)
             baked = bake_surface(shape, look, progress=progress)
-            baked.save(job.output)
+            baked.save(job.output, quantize=self.quantize)
             if job.first:
                 job = self._show_first(baked, job, look)
             elif job.picture:
