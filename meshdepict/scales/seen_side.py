@@ -52,7 +52,18 @@ class SeenSide(ScaleSpace):
             facing=source.facing, tolerance=source.tolerance,
         )  # fmt: skip
         self.at_vertices = source.at_vertices
-        self.light_errors = source.light_errors
+        self.light_errors, self.progress = source.light_errors, source.progress
+        self._share_rays()
+
+    def _share_rays(self) -> None:
+        """Take over what was traced of the same sides: the source's, or the last that were seen."""
+        source, turned = self.source, np.packbits(self.turned).tobytes()
+        if not self.turned.any():
+            self._transfers, self._lights_seen = source._transfers, source._lights_seen
+        elif source._sides_seen is not None and source._sides_seen[0] == turned:
+            _, self._transfers, self._lights_seen = source._sides_seen
+        else:
+            source._sides_seen = turned, self._transfers, self._lights_seen
 
     def typical(self) -> ScaleSpace:
         """Return the samples of the whole."""
