@@ -15,6 +15,7 @@ from meshdepict.baking.choice_list import LADDER, choice_fields
 from meshdepict.baking.choices import Choices
 from meshdepict.baking.chosen_normals import refuse_other_sides, sides_of, with_chosen_normals
 from meshdepict.baking.clipping import warn_of_clipping
+from meshdepict.baking.discs import warn_of_disc
 from meshdepict.baking.layers import shade_layers
 from meshdepict.baking.provenance import describe, was_baked
 from meshdepict.baking.sheets import warn_of_backs
@@ -110,6 +111,8 @@ def _bake_surface(
         asked = look.settled(space)
         look = asked.with_rays(space, lamp, eye)
         found = None if look is asked else space.light_errors.found
+    if space is not shape and blend is None:
+        warn_of_disc(look, lamp)
     if space is not shape and not look.two_sided:  # viewers turn what they show
         warn_of_backs(space.points, space.normals_at(0), eye)
     linear = look.declared.linear

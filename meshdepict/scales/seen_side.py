@@ -16,6 +16,8 @@ if TYPE_CHECKING:
     from meshdepict.scene.view import View
     from meshdepict.shapes.height_field import HeightField
     from meshdepict.shapes.mesh import Mesh
+    from meshdepict.transport.retraced import Retraced
+    from meshdepict.transport.transfer import Transfer
 
 __all__ = ["SeenSide", "towards_eye"]
 
@@ -64,6 +66,10 @@ class SeenSide(ScaleSpace):
             _, self._transfers, self._lights_seen = source._sides_seen
         else:
             source._sides_seen = turned, self._transfers, self._lights_seen
+
+    def transport(self, rays: int = 64) -> Transfer | Retraced:
+        """Return where rays from the vertices go: of other samples those of the source's."""
+        return super().transport(rays) if self.at_vertices else self.source.transport(rays)
 
     def typical(self) -> ScaleSpace:
         """Return the samples of the whole."""
