@@ -14,6 +14,8 @@ from meshdepict.files.reach import inside
 
 __all__ = ["Companions"]
 
+_BEGINNING = 4096  # bytes of a file in which its mark stands
+
 
 class Companions:
     """What a mesh's file names, on its way to the folder that the mesh is saved in.
@@ -54,11 +56,19 @@ class Companions:
             self._called[real] = self._placed(name, source)
         return self._called[real]
 
-    def written(self, name: str, content: bytes) -> str:
-        """Let a new file be written beside the mesh; return what it is called."""
-        return name if self._off else self._placed(name, content)
+    def written(self, name: str, content: bytes, *, mark: bytes = b"") -> str:
+        """Let a new file be written beside the mesh; return what it is called.
 
-    def _placed(self, name: str, content: Path | bytes) -> str:
+        Parameters
+        ----------
+        name : str
+        content : bytes
+        mark : bytes
+            What begins a file that may be replaced: this program wrote it.
+        """
+        return name if self._off else self._placed(name, content, mark)
+
+    def _placed(self, name: str, content: Path | bytes, mark: bytes = b"") -> str:
         for number in range(1, 10_000):
             tried = Path(name)
             if number > 1:
@@ -69,7 +79,7 @@ class Companions:
                 name = Path(name.replace("\\", "/")).name
                 continue
             other = self._waiting.get(target)
-            if other is None and not target.exists():
+            if other is None and (not target.exists() or _is_marked(target, mark)):
                 self._waiting[target] = content
                 return tried.as_posix()
             if _alike(target if other is None else other, content):
@@ -81,6 +91,7 @@ class Companions:
         made: list[Path] = []
         try:
             for target, content in self._waiting.items():
+                fresh = not target.exists()
                 target.parent.mkdir(parents=True, exist_ok=True)
                 with atomic_write(target) as file:
                     if isinstance(content, bytes):
@@ -88,7 +99,8 @@ class Companions:
                     else:
                         with content.open("rb") as source:
                             shutil.copyfileobj(source, file, 1 << 20)
-                made.append(target)
+                if fresh:
+                    made.append(target)
         except BaseException as error:
             for target in made:
                 with suppress(OSError):
@@ -98,6 +110,17 @@ class Companions:
                     f"{target} could not be written: {error.strerror or error}"
                 ) from error
             raise
+
+
+def _is_marked(path: Path, mark: bytes) -> bool:
+    """Whether a mark is at the beginning of a file."""
+    if not mark or not path.is_file():
+        return False
+    try:
+        with path.open("rb") as file:
+            return mark in file.read(_BEGINNING)
+    except OSError:
+        return False
 
 
 def _alike(one: Path | bytes, other: Path | bytes) -> bool:

@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 
 from meshdepict.errors import MeshdepictError, MeshdepictWarning
 from meshdepict.io.gltf_buffers import Buffers
-from meshdepict.io.gltf_depiction import Additions, depict, undepicted
+from meshdepict.io.gltf_depiction import Additions, Laid, depict, undepicted
 from meshdepict.io.gltf_document import GltfDocument, joined_faces, joined_points, wrong_as_gltf
-from meshdepict.io.gltf_materials import image_faults
+from meshdepict.io.gltf_materials import image_faults, is_textured
 from meshdepict.io.gltf_package import BIN, JSON, embed_pictures, write_glb, write_gltf
 from meshdepict.io.gltf_scene import Part, Scene
 from meshdepict.io.texture_files import texture_notes
@@ -30,6 +30,9 @@ __all__ = ["decode", "encode", "provenance"]
 _ABSURD = 100  # times the bytes that are there: no download stops so early
 _GENERATOR = "meshdepict"
 _TITLE = "depiction"
+
+
+_SINGLE = 1e-6  # relative, of positions that were written in single precision
 
 
 def provenance(file: BinaryIO) -> tuple[str, ...]:
@@ -72,11 +75,15 @@ def decode(data: bytes, path: Path) -> Contents:
     document: Document = Document(provenance=lines, up="y")
     if bare is not None:
         document = GltfDocument(
-            provenance=lines, up="y", header=bare[0], depicted=True,
+            provenance=lines, up="y", header=bare[0],
+            depicted=set(COLOR) <= set(contents.attributes["vertex"]),
             buffers=Buffers(*bare, folder, size),
         )  # fmt: skip
-        contents = _with_former(contents, document) or contents
-    elif not lines or header["asset"].get("generator") != _GENERATOR:  # not all of it is ours
+        held = _with_former(contents, document) or _without_texture(contents, document)
+        contents = held or contents
+    elif (  # not all of it is ours, or it has a texture that textures tell of
+        not lines or header["asset"].get("generator") != _GENERATOR or is_textured(header)
+    ):
         document = GltfDocument(provenance=lines, up="y", header=header, buffers=own)
     said = texture_notes(faults)
     if len(parts) > 1:
@@ -103,6 +110,23 @@ def _with_former(depicted: Contents, document: GltfDocument) -> Contents | None:
     renamed = {(f"original_{name}" if name in COLOR else name): own[name] for name in own}
     renamed |= {name: colors[name] for name in COLOR}
     return former._replace(attributes={"vertex": renamed})
+
+
+def _without_texture(depicted: Contents, document: GltfDocument) -> Contents | None:
+    """Return what a file held before a depiction in a texture was put beside it, None if it wasn't.
+
+    A texture has vertices of its own, and the same triangles.
+    """
+    try:
+        former = _joined(document.parts())
+    except MeshdepictError:
+        return None
+    (points, faces, *_), (others, theirs, *_) = depicted, former
+    faces, theirs = np.asarray(faces), np.asarray(theirs)
+    if set(COLOR) & set(depicted.attributes["vertex"]) or faces.shape != theirs.shape:
+        return None
+    near = np.abs(others).max(initial=0.0) * _SINGLE
+    return former if np.abs(points[faces] - others[theirs]).max(initial=0.0) <= near else None
 
 
 def _unpacked(data: bytes) -> tuple[dict[str, Any], bytes]:
@@ -174,11 +198,20 @@ def _joined(parts: list[Part]) -> Contents:
 # --- writing ----------------------------------------------------------------------------------
 
 
-def encode(file: BinaryIO, mesh: Mesh, saving: Saving) -> None:
+def encode(
+    file: BinaryIO, mesh: Mesh, saving: Saving, *, laid: tuple[Part, Laid] | None = None
+) -> None:
     """Write a mesh as a scene of triangles in unlit colours, which viewers show as they are.
 
     Beside the scenes of the glTF file that it was read from, which stay as they were (see
     `gltf_depiction`), or alone.
+
+    Parameters
+    ----------
+    file, mesh, saving
+        As for every format.
+    laid : (Part, Laid), optional
+        The mesh's triangles with a texture, in place of colours.
     """
     former = _former(mesh)
     fresh: dict[int, bytes] = {}
@@ -191,11 +224,14 @@ def encode(file: BinaryIO, mesh: Mesh, saving: Saving) -> None:
         parts, lines = former.parts(), former.provenance
         if saving.suffix == ".glb":
             embed_pictures(header, fresh, buffers)
-    if former is None or saving.colors is not None or former.depicted:
+    if former is None or saving.colors is not None or former.depicted or laid is not None:
         additions = Additions(header)
-        colors = _linear(mesh, saving, former)
+        colors = _linear(mesh, saving, former) if laid is None else None
         title = "" if former is None else _TITLE
-        depict(additions, parts, colors, quantize=saving.quantize, title=title)
+        texture = None
+        if laid is not None:
+            parts, texture = [laid[0]], laid[1]
+        depict(additions, parts, colors, quantize=saving.quantize, title=title, texture=texture)
         fresh[additions.buffer] = b"".join(additions.parts)
     _sign(
         header["asset"], saving.comments if saving.colors is not None else saving.comments or lines

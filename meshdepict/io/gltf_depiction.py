@@ -8,24 +8,33 @@ indices from where they are in the file. What was added is marked, so that it ca
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from meshdepict.images.encoded import KINDS
 from meshdepict.io.gltf_buffers import COMPONENTS
 from meshdepict.io.gltf_scene import Part
 from meshdepict.io.ply_properties import exact_float
 
-__all__ = ["UNLIT", "Additions", "depict", "undepicted"]
+if TYPE_CHECKING:
+    from meshdepict.shapes.textures import Texture
+
+__all__ = ["UNLIT", "Additions", "Laid", "depict", "undepicted"]
 
 Floats = NDArray[np.float64]
 
 UNLIT = "KHR_materials_unlit"
 _QUANTIZED = "KHR_mesh_quantization"
 _COMPONENT_TYPES = {kind: number for number, kind in COMPONENTS.items()}
+_LINEAR, _LINEAR_MIPMAPS = 9729, 9987
+_WRAPS = {"repeat": 10497, "clamp": 33071, "mirror": 33648}
 _ARRAY_BUFFER, _ELEMENT_BUFFER = 34962, 34963
-_LISTS = ("scenes", "nodes", "meshes", "materials", "accessors", "bufferViews", "buffers")
+_LISTS = (
+    "scenes", "nodes", "meshes", "materials", "textures", "samplers", "images", "accessors",
+    "bufferViews", "buffers",
+)  # fmt: skip
 _MARK = "meshdepict"
 _ORIGINAL = "original"
 _SQUARE = 1e-6  # how far axes may be from right angles where a node's matrix has them
@@ -87,11 +96,28 @@ class Additions:
                 listed.append(extension)
 
 
+class Laid(NamedTuple):
+    """A picture on points.
+
+    Attributes
+    ----------
+    picture : Texture
+    texcoords : (n, 2) array
+        v up.
+    mipmaps : bool
+        Whether smaller copies of the picture are of any use.
+    """
+
+    picture: Texture
+    texcoords: Floats
+    mipmaps: bool = True
+
+
 def depict(
     additions: Additions, parts: Iterable[Part], colors: NDArray[np.uint16] | None, *,
-    quantize: bool, title: str = "",
+    quantize: bool, title: str = "", texture: Laid | None = None,
 ) -> None:  # fmt: skip
-    """Add a scene of the parts in unlit colours, and show it first.
+    """Add a scene of the parts in unlit colours, or with a texture, and show it first.
 
     Parameters
     ----------
@@ -103,6 +129,8 @@ def depict(
         Whether positions that have to be written are whole numbers of 16 bits.
     title : str
         Of the scene, where others are beside it; "" where it is the only one.
+    texture : Laid, optional
+        On the parts' points.
     """
     header = additions.header
     before = {name: len(header[name]) for name in _LISTS if name in header}
@@ -115,7 +143,12 @@ def depict(
     if title:
         former["named"] = _name_original(header)
     additions.uses(UNLIT)
-    material = additions.add("materials", {"extensions": {UNLIT: {}}, "doubleSided": True})
+    shown: dict[str, Any] = {"extensions": {UNLIT: {}}, "doubleSided": True}
+    if texture is not None:
+        shown["pbrMetallicRoughness"] = {
+            "baseColorTexture": {"index": _picture(additions, texture)}
+        }
+    material = additions.add("materials", shown)
     nodes, first = [], 0
     for part in parts:
         count = len(part.points)
@@ -123,21 +156,48 @@ def depict(
         color = None
         if colors is not None:
             color = additions.accessor(colors[first : first + count], normalized=True)
+        place = None
+        if texture is not None:  # v downwards, as the standard wants
+            at = texture.texcoords[first : first + count] * (1, -1) + (0, 1)
+            place = additions.accessor(at.astype("<f4"))
         first += count
         for primitive in primitives:
             primitive["material"] = material
             if color is not None:
                 primitive["attributes"]["COLOR_0"] = color
+            if place is not None:
+                primitive["attributes"]["TEXCOORD_0"] = place
         node["mesh"] = additions.add("meshes", {"primitives": primitives})
         nodes.append(additions.add("nodes", node))
     scene: dict[str, Any] = {"nodes": nodes}
     if title:
-        after = {name: len(header[name]) + (name == "scenes") for name in _LISTS}
+        after = {name: len(header[name]) + (name == "scenes") for name in _LISTS if name in header}
         scene |= {"name": title}
         scene["extras"] = {
             _MARK: {"before": before, "after": after, "former": former, "extensions": extensions}
         }
     header["scene"] = additions.add("scenes", scene)
+
+
+def _picture(additions: Additions, texture: Laid) -> int:
+    """Add a picture with its sampler as a texture; return its number."""
+    picture = texture.picture
+    assert picture.encoded is not None
+    image = {
+        "bufferView": additions.view(picture.encoded),
+        "mimeType": KINDS[picture.kind][0],
+        "name": picture.name,
+    }
+    sampler = {
+        "magFilter": _LINEAR,
+        "minFilter": _LINEAR_MIPMAPS if texture.mipmaps else _LINEAR,
+        "wrapS": _WRAPS[picture.wrap[0]],
+        "wrapT": _WRAPS[picture.wrap[1]],
+    }
+    source = additions.add("images", image)
+    return additions.add(
+        "textures", {"sampler": additions.add("samplers", sampler), "source": source}
+    )
 
 
 def _name_original(header: dict[str, Any]) -> bool:
@@ -237,6 +297,8 @@ def _without(
     before, after, former = mark["before"], mark["after"], mark["former"]
     found = dict(header)
     for name in _LISTS:
+        if name not in after:
+            continue
         count = before.get(name, 0)
         if len(header[name]) != after[name] or not 0 <= count <= after[name]:
             return None

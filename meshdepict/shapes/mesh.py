@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Callable, Mapping
+from copy import copy
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -192,7 +193,13 @@ class Mesh(Geometry):
         polygons = self.polygons or as_polygons(self.faces)
         if not self.document.describes(None, polygons):
             return None
-        return self.document.textures(polygon_corners(self.faces, self._owner, polygons))
+        return self.document.textures(self.triangle_corners)
+
+    @property
+    def triangle_corners(self) -> NDArray[np.int64]:
+        """(m, 3) which of all polygons' corners, counted one after the other, triangles have."""
+        polygons = self.polygons or as_polygons(self.faces)
+        return polygon_corners(self.faces, self._owner, polygons)
 
     def _fit(self, textures: Textures) -> Textures:
         """Return textures that fit the mesh's triangles."""
@@ -213,6 +220,18 @@ class Mesh(Geometry):
     def texcoords(self) -> NDArray[np.float64] | None:
         """(m, 3, 2) texture coordinates of the triangles' corners, v up; None without textures."""
         return None if self.textures is None else self.textures.texcoords
+
+    def with_textures(self, textures: Textures) -> Mesh:
+        """Return the mesh with other textures in place of those that it has.
+
+        Raises
+        ------
+        MeshdepictError
+            For textures of another number of triangles.
+        """
+        other = copy(self)
+        vars(other)["textures"] = other._textures = self._fit(textures)
+        return other
 
     # --- other faces ------------------------------------------------------------------------
 
