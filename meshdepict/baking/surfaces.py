@@ -15,6 +15,7 @@ from meshdepict.baking.choice_list import LADDER, choice_fields
 from meshdepict.baking.choices import Choices
 from meshdepict.baking.chosen_normals import refuse_other_sides, sides_of, with_chosen_normals
 from meshdepict.baking.clipping import warn_of_clipping
+from meshdepict.baking.discs import warn_of_disc
 from meshdepict.baking.layers import shade_layers
 from meshdepict.baking.provenance import describe, was_baked
 from meshdepict.baking.sheets import warn_of_backs
@@ -44,6 +45,18 @@ def bake_surface(shape: object, look: Choices, *, progress: Progress | None = No
     progress : callable, optional
         ``progress(done, total)``.
     """
+    told: list[ScaleSpace] = []
+    try:
+        return _bake_surface(shape, look, progress, told)
+    finally:
+        for space in told:
+            space.progress = None
+
+
+def _bake_surface(
+    shape: object, look: Choices, progress: Progress | None, told: list[ScaleSpace]
+) -> Baked:
+    """Do what `bake_surface` does; ``told`` are those that know whom to tell how far they are."""
     made = isinstance(shape, ScaleSpace)
     mesh = as_surface(shape.shape if made else shape)  # type: ignore[attr-defined]
     kind = mesh.kind
@@ -75,14 +88,19 @@ def bake_surface(shape: object, look: Choices, *, progress: Progress | None = No
         refuse_other_scales(shape, chosen)
 
     def make(scales: int, ratio: float) -> ScaleSpace:
-        if isinstance(shape, ScaleSpace):
-            return shape
-        return scale_space(
-            mesh, scales=scales, width=look.width, ratio=ratio, facing=look.facing,
-            tolerance=look.tolerance, view=eye, at_once=(),
+        space = (
+            shape
+            if isinstance(shape, ScaleSpace)
+            else scale_space(
+                mesh, scales=scales, width=look.width, ratio=ratio, facing=look.facing,
+                tolerance=look.tolerance, view=eye, at_once=(),
+            )
         )  # fmt: skip
+        space.progress = progress
+        told.append(space)
+        return space
 
-    blend = None
+    blend, found = None, None
     if look.blend is not None:
         seen = chosen.replace(view=look.view, up=look.up)
         blend = shade_layers(seen, kind, eye, make, progress=progress)
@@ -90,7 +108,11 @@ def bake_surface(shape: object, look: Choices, *, progress: Progress | None = No
     else:
         space = make(scales, ratio)
         space.smooth(look.reads(space.last).sets, progress=progress)
-        look = look.settled(space)
+        asked = look.settled(space)
+        look = asked.with_rays(space, lamp, eye)
+        found = None if look is asked else space.light_errors.found
+    if space is not shape and blend is None:
+        warn_of_disc(look, lamp)
     if space is not shape and not look.two_sided:  # viewers turn what they show
         warn_of_backs(space.points, space.normals_at(0), eye)
     linear = look.declared.linear
@@ -125,6 +147,8 @@ def bake_surface(shape: object, look: Choices, *, progress: Progress | None = No
     if own is not None:
         colors = color.multiply_albedo(colors / np.float32(255), own, linear=False)
     provenance = describe(look, space, light=lamp)
+    if found is not None:
+        provenance["rays auto"] = str(found)
     if look.refine is not None and isinstance(mesh, Mesh):
         provenance["refined"] = f"to {look.refine:g} grey levels, {len(mesh.faces)} triangles"
     if blend is None:

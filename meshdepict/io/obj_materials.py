@@ -72,10 +72,10 @@ class Material:
     def factor(self) -> tuple[float, float, float, float]:
         """What a picture, or white, is multiplied by, linear.
 
-        Kd, which are display colours. Black with a picture is what some programs write for "the
-        picture alone".
+        Kd, which are display colours. Beside a picture, greys are what programs write by habit:
+        Blender 0.8, trimesh 0.4, others 0, and all of them mean the picture alone.
         """
-        if self.color is None or (self.base is not None and not any(self.color)):
+        if self.color is None or (self.base is not None and len(set(self.color)) == 1):
             return 1.0, 1.0, 1.0, 1.0
         red, green, blue = (float(c) for c in srgb_to_linear(np.clip(self.color, 0, 1)))
         return red, green, blue, 1.0

@@ -11,12 +11,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshdepict.errors import MeshdepictError
-from meshdepict.scales.ladder import FACING, TOLERANCE
+from meshdepict.scales.ladder import FACING, TOLERANCE, Progress
+from meshdepict.scales.light_errors import LightErrors
 from meshdepict.scales.relief_samples import ReliefSamples
+from meshdepict.scales.seen_lights import SeenLights
 from meshdepict.scene.shape import one_of
 from meshdepict.shapes.table import html_table
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from meshdepict.curvature.principal import PrincipalCurvatures
     from meshdepict.curvature.view import ViewCurvature
     from meshdepict.scene.light import Light
@@ -24,6 +28,7 @@ if TYPE_CHECKING:
     from meshdepict.scene.view import View
     from meshdepict.transport.occlusion import Openness
     from meshdepict.transport.rays import Steps
+    from meshdepict.transport.retraced import Retraced
     from meshdepict.transport.transfer import Transfer
 
 __all__ = ["ScaleSpace"]
@@ -57,9 +62,11 @@ class ScaleSpace(ReliefSamples):
         What the sums were made with; see `scale_space`.
     at_vertices : bool
         Whether the samples are the vertices of the surface, in their order.
-    light_errors : {int: float}
+    light_errors : LightErrors
         By the number of rays, root mean square error in grey levels of the last light that was
         sampled: discs, the sky and bounces.
+    progress : callable, optional
+        ``progress(done, total)``, whom rays tell how far they are.
     """
 
     at_vertices = False
@@ -86,8 +93,13 @@ class ScaleSpace(ReliefSamples):
         self._creases: dict[int, NDArray[np.float32]] = {}
         self._seen: dict[tuple[int, float], tuple[tuple[Any, ...], ViewCurvature]] = {}
         self._openness: dict[int, Openness] = {}
-        self._transfers: dict[int, Transfer] = {}
-        self.light_errors: dict[int, float] = {}
+        self._transfers: dict[int, Transfer | Retraced] = {}
+        self._lights_seen: list[SeenLights] = []  # one, once it is asked for
+        self._sides_seen: tuple[bytes, dict[int, Transfer | Retraced], list[SeenLights]] | None = (
+            None
+        )
+        self.progress: Progress | None = None
+        self.light_errors = LightErrors()
 
     @property
     def points(self) -> NDArray[np.float64]:
@@ -185,10 +197,11 @@ class ScaleSpace(ReliefSamples):
             f"samples of this {self.shape.kind} are not: shade the mesh itself, or set bounces=0"
         )
 
-    def transport(self, rays: int = 64) -> Transfer:
+    def transport(self, rays: int = 64) -> Transfer | Retraced:
         """Return where rays from the vertices of the surface go; traced once.
 
-        With `bounced` it tells any light that goes from surface to surface.
+        With `bounced` it tells any light that goes from surface to surface. Where the memory that
+        is allowed doesn't hold them, they are traced again for every sum.
 
         Raises
         ------
@@ -196,12 +209,17 @@ class ScaleSpace(ReliefSamples):
             For a number of rays beyond 2 … 65536, and for samples that are no part of a surface.
         """
         if rays not in self._transfers:
-            from meshdepict.transport.transfer import traced_transfer
+            from meshdepict.transport.retraced import transfer_of
 
             surface = self.surface
             normals = self.normals_at(0) if self.at_vertices else surface.normals
-            self._transfers[rays] = traced_transfer(surface, normals=normals, rays=rays)
-        return self._transfers[rays]
+            self._transfers[rays] = transfer_of(
+                surface, normals=normals, rays=rays, progress=self.progress
+            )
+        found = self._transfers[rays]
+        if hasattr(found, "progress"):
+            found.progress = self.progress
+        return found
 
     def seen_share(
         self,
@@ -231,12 +249,25 @@ class ScaleSpace(ReliefSamples):
         from meshdepict.transport.rays import FIRST
         from meshdepict.transport.shadows import seen_share
 
+        if at is None and self.at_vertices and not light.spread:
+            return self.seen_from_vertices([light])[0]
         surface = self.surface
         places = (surface.recentred(self.points), self.normals_at(0)) if at is None else at
         return seen_share(
             surface, light.direction, at=places, spread=light.spread, rays=rays,
             steps=FIRST if steps is None else steps,
         )  # fmt: skip
+
+    def seen_from_vertices(self, lights: Sequence[Light]) -> tuple[NDArray[np.float32], ...]:
+        """Return which share (v,) of each light the vertices of the surface see: 0 or 1.
+
+        Each light is one direction. The last ones are kept.
+        """
+        if not self._lights_seen:
+            surface = self.surface
+            normals = self.normals_at(0) if self.at_vertices else surface.normals
+            self._lights_seen.append(SeenLights(surface, (surface.unit_points, normals)))
+        return self._lights_seen[0].shares(lights)
 
     def typical(self) -> ScaleSpace:
         """Return samples from which numbers that follow the shape are found: all, mostly.

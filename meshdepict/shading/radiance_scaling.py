@@ -43,7 +43,16 @@ from meshdepict.shading.features import (
 from meshdepict.shading.gathering import PLAIN, Gathering
 from meshdepict.shading.hidden_light import albedo, hidden_direct, refuse_unhidden
 from meshdepict.shading.method import Exposure, exposed, method
-from meshdepict.shading.reached import USUAL_RAYS, Bounces, Reached, Shadows, ray_count, reached
+from meshdepict.shading.reached import (
+    USUAL_RAYS,
+    Bounces,
+    Denoise,
+    Reached,
+    Shadows,
+    ray_count,
+    reached,
+)
+from meshdepict.shading.sampled import AUTO_RAYS
 from meshdepict.shading.scaling_equation import LEAST_INVARIANT, scaling
 from meshdepict.shading.surroundings import (
     as_environment,
@@ -68,13 +77,14 @@ def _reads(
     illumination: str,
     shadows: bool,
     bounces: int,
-    rays: int,
+    rays: int | str,
     **options: Any,
 ) -> Reads:
     """Return the shape's own normals, with what scales light, and rays if they are wanted."""
     shown = as_material(material)
     lit = not isinstance(shown, (LitSphere, Mirror, Refractive))
     hidden = ray_count(shadows=shadows, bounces=bounces, rays=rays or USUAL_RAYS)
+    rays = 0 if isinstance(rays, str) else rays  # which precomputed light refuses
     gathered = {"occlusion": rays or 256, "irradiance": rays}.get(illumination, hidden)
     own = Reads(normals=frozenset((0,)), rays=gathered if lit else 0)
     return own | bends(scale, curvature) if _bends(shown, gain, **options) else own
@@ -148,14 +158,16 @@ def radiance_scaling(
         ),
     ] = "first",
     rays: Annotated[
-        int,
+        int | str,
         Range(
             0,
             65536,
             help="of each sample: for precomputed light, to discs, the sky and what bounces",
             soft=(0, 256),
+            words=(AUTO_RAYS,),
         ),
     ] = 0,
+    denoise: Denoise = 0.0,
     shininess: Parameter = None,
     roughness: Parameter = None,
     bins: Bins = None,
@@ -255,6 +267,11 @@ def radiance_scaling(
         brightest = np.float32(max(as_environment(light, "a mirror").brightest, 1e-30))
         shaded = scaled(shown, luminance(shown) / brightest, gamma_s)
     elif illumination != "lights":
+        if isinstance(rays, str):
+            raise MeshdepictError(
+                f"illumination={illumination!r} takes a number of rays, 256 for instance: "
+                f"rays={rays!r} is for shadows and bounces"
+            )
         value, delta = gathered(space, light, chosen, illumination=illumination, rays=rays)
         shaded = scaled(value, delta, gamma_d)
     else:
@@ -279,8 +296,8 @@ def radiance_scaling(
 
             reach = reached(
                 space, lamps, environments, shadows=shadows, bounces=bounces,
-                rays=rays or USUAL_RAYS, albedo=albedo(chosen), shown=displayed,
-                gathering=gathering,
+                rays=rays or USUAL_RAYS, denoise=denoise, albedo=albedo(chosen),
+                shown=displayed, gathering=gathering,
             )  # fmt: skip
         shaded = hidden_direct(
             space, lamps, eyes(space, eye), chosen, reach, environments=environments, count=lights,

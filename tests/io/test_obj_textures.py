@@ -125,9 +125,18 @@ def test_each_face_has_the_material_before_it(home):
     np.testing.assert_allclose(factor, [1, 0.2140, 0, 1], atol=1e-4)
 
 
-def test_black_with_a_picture_means_the_picture(home):
-    (home / "square.mtl").write_text("newmtl painted\nKd 0 0 0\nmap_Kd paint.png\n")
+@pytest.mark.parametrize(
+    "grey", ["0 0 0", "0.8 0.8 0.8", "0.4", "xyz 0.2 0.3 0.4", "spectral a.rfl"]
+)
+def test_a_grey_with_a_picture_means_the_picture(home, grey):
+    (home / "square.mtl").write_text(f"newmtl painted\nKd {grey}\nmap_Kd paint.png\n")
     np.testing.assert_array_equal(quarters(read_mesh(home / "square.obj")), INK)
+
+
+def test_what_trimesh_writes_has_the_pictures_colours(home):
+    theirs = trimesh.load(home / "square.obj", process=False)
+    theirs.export(home / "theirs.obj", mtl_name="theirs.mtl")
+    np.testing.assert_array_equal(quarters(read_mesh(home / "theirs.obj")), INK)
 
 
 @pytest.mark.parametrize("keyword", ["norm", "map_Bump -bm 0.5", "bump -bm 0.5", "map_Kn"])
