@@ -5,6 +5,7 @@ The only step that knows what kind of shape it has. Everything after it works on
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -87,6 +88,7 @@ class ScaleSpace(ReliefSamples):
         self._seen: dict[tuple[int, float], tuple[tuple[Any, ...], ViewCurvature]] = {}
         self._openness: dict[int, Openness] = {}
         self._transfers: dict[int, Transfer] = {}
+        self._kept: dict[str, tuple[tuple[Any, ...], Any]] = {}
         self.light_errors: dict[int, float] = {}
 
     @property
@@ -177,8 +179,9 @@ class ScaleSpace(ReliefSamples):
             return self
         kind = self.surface.kind  # what has no surface says so
         raise MeshdepictError(
-            f"how light is scaled where it bounces is known at the vertices of a {kind}, which the "
-            f"samples of this {self.shape.kind} are not: shade the mesh itself, or set bounces=0"
+            f"how light from all around is enhanced is known at the vertices of a {kind}, which "
+            f"the samples of this {self.shape.kind} are not: shade the mesh itself, or set "
+            "bounces=0 and give lights in place of an environment"
         )
 
     def transport(self, rays: int = 64) -> Transfer:
@@ -198,6 +201,17 @@ class ScaleSpace(ReliefSamples):
             normals = self.normals_at(0) if self.at_vertices else surface.normals
             self._transfers[rays] = traced_transfer(surface, normals=normals, rays=rays)
         return self._transfers[rays]
+
+    def kept(self, name: str, key: tuple[Any, ...], find: Callable[[], Any]) -> Any:
+        """Return what a method found here before, or finds anew where its key is another.
+
+        Of every name the last is kept, and the key is all that it depends on beside the samples.
+        """
+        former, found = self._kept.get(name, (None, None))
+        if former != key:
+            found = find()
+            self._kept[name] = key, found
+        return found
 
     def seen_share(
         self,
