@@ -1,0 +1,103 @@
+"""How Light Warping gathers light at the vertices of a surface: lights by eq. 2, rays by eq. 1.
+
+Rays of its own leave along W(d), d cosine-weighted, and bring what they meet there. They are traced
+anew where curvature, view or magnitude are others, and serve every light.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from meshdepict.scales.space import ScaleSpace
+from meshdepict.shading.direct import unwarped
+from meshdepict.shading.features import Frames
+from meshdepict.shading.warp_equations import warp_scale
+
+if TYPE_CHECKING:
+    from meshdepict.scene.light import Light
+    from meshdepict.transport.transfer import Transfer
+
+__all__ = ["Warping", "warping"]
+
+Single = NDArray[np.float32]
+
+
+class Warping(NamedTuple):
+    """Light that is warped before it falls: a `Gathering`.
+
+    Attributes
+    ----------
+    frames : Frames
+        Curvature of the samples.
+    magnitude : float
+        α.
+    traced : callable
+        Returns the rays along warped directions, by their number.
+    everywhere : bool
+        False: only the light that the eye sees is warped (the paper's first bounce).
+    """
+
+    frames: Frames
+    magnitude: float
+    traced: Callable[[int], Transfer]
+    everywhere: bool = False
+
+    def falls(self, normals: NDArray[Any], light: Light) -> Single:
+        """Return ⟨n·W⁻¹(l)⟩ J."""
+        towards = light.direction.astype(np.float32)
+        back, weight = unwarped(np.asarray(normals), towards, self.frames, self.magnitude)
+        cosine = np.einsum("ni,ni->n", normals, back)
+        return np.asarray(np.maximum(cosine, 0) * weight, np.float32)
+
+    def along(self, transfer: Transfer, *, again: bool = False) -> Transfer:
+        """Return as many rays along warped directions."""
+        own = self.traced(transfer.rays)
+        if not again:
+            return own
+        assert own.probes is not None  # as every set that leaves the vertices has them
+        return own.probes.transfer
+
+    def at(self, chosen: NDArray[np.int64]) -> Warping:
+        """Return that of some of the samples."""
+        return self._replace(frames=Frames(*(part[chosen] for part in self.frames)))
+
+
+def warping(
+    space: ScaleSpace, frames: Frames, magnitude: float, *, key: tuple[Any, ...]
+) -> Warping:
+    """Return how samples at the vertices of a surface gather light.
+
+    Parameters
+    ----------
+    space : ScaleSpace
+    frames : Frames
+        Their curvature.
+    magnitude : float
+        α.
+    key : tuple
+        All that the frames depend on beside the samples.
+    """
+
+    def traced(rays: int) -> Transfer:
+        return space.kept("warped rays", (rays, magnitude, *key), lambda: _traced(rays))
+
+    def _traced(rays: int) -> Transfer:
+        from meshdepict.shading.warping_kernel import warp_rays
+        from meshdepict.transport.transfer import traced_transfer
+
+        axes = (np.ascontiguousarray(axis, np.float32) for axis in (frames.u, frames.v, frames.z))
+        stretch = (
+            np.ascontiguousarray(warp_scale(k, magnitude), np.float32)
+            for k in (frames.ku, frames.kv)
+        )
+        given = (*axes, *stretch)
+        return traced_transfer(
+            space.surface, normals=space.normals_at(0), rays=rays,
+            bend=lambda directions, which: warp_rays(directions, which, *given),
+        )  # fmt: skip
+
+    return Warping(frames, magnitude, traced)
