@@ -8,7 +8,6 @@ if they are cosine-weighted: half of them are evenly spread, and each weighs ⟨
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -23,10 +22,9 @@ if TYPE_CHECKING:
     from meshdepict.shading.weighed_transfer import WeighedTransfer
     from meshdepict.transport.transfer import Transfer
 
-__all__ = ["Alignment", "alignment"]
+__all__ = ["Alignment", "weighed"]
 
 Single = NDArray[np.float32]
-Pair = tuple["WeighedTransfer", "WeighedTransfer"]
 
 
 class Alignment(NamedTuple):
@@ -36,20 +34,23 @@ class Alignment(NamedTuple):
     ----------
     planes : (S, 3, n) array
         Normals of the samples, fine to coarse.
+    scales : (S,) tuple of int
+        Which they are.
     strengths : (S − 1,) array
         Finest first.
     sharpness : float
         γ.
-    traced : callable
-        Returns the weighed rays by their number, and the second set that tells their error.
+    vertices : ScaleSpace, optional
+        Whose vertices the samples are, and where weights are kept; None: they are some of those.
     everywhere : bool
         False: only the light that the eye sees is aligned.
     """
 
     planes: Single
+    scales: tuple[int, ...]
     strengths: NDArray[np.float64]
     sharpness: float
-    traced: Callable[[int], Pair]
+    vertices: ScaleSpace | None = None
     everywhere: bool = False
 
     def falls(self, normals: NDArray[Any], light: Light) -> Single:
@@ -59,47 +60,28 @@ class Alignment(NamedTuple):
         turned = align_chain(self.planes, light.direction, self.strengths, self.sharpness)
         return np.asarray(np.maximum((self.planes[0] * turned).sum(axis=0), 0), np.float32)
 
+    def traced(self, space: ScaleSpace, rays: int) -> Transfer:
+        """Return rays of which half are evenly spread."""
+        vertices = space.vertex_space
+        found: Transfer = vertices.kept("even rays", (rays,), lambda: _traced(vertices, rays))
+        return found
+
     def along(self, transfer: Transfer, *, again: bool = False) -> WeighedTransfer:
-        """Return as many rays of which half are evenly spread, weighed."""
-        return self.traced(transfer.rays)[int(again)]
+        """Return the rays, each as much as it counts once it is aligned."""
+
+        def find() -> WeighedTransfer:
+            return weighed(transfer, self.planes, self.strengths, self.sharpness)
+
+        if self.vertices is None:
+            return find()
+        key = (transfer.rays, self.scales, *self.strengths.tolist(), self.sharpness, again)
+        found: WeighedTransfer = self.vertices.kept("aligned weights", key, find)
+        return found
 
     def at(self, chosen: NDArray[np.int64]) -> Alignment:
         """Return that of some of the samples."""
-        return self._replace(planes=np.ascontiguousarray(self.planes[:, :, chosen]))
-
-
-def alignment(
-    space: ScaleSpace, scales: Sequence[int], strengths: NDArray[np.float64], sharpness: float
-) -> Alignment:
-    """Return how samples at the vertices of a surface gather light.
-
-    Parameters
-    ----------
-    space : ScaleSpace
-    scales : sequence of int
-        Which normals light is aligned with, finest first.
-    strengths : (S − 1,) array
-        Of their pairs.
-    sharpness : float
-        γ.
-    """
-    planes = space.planes_of(scales)
-
-    def traced(rays: int) -> Pair:
-        key = (rays, *scales, *strengths.tolist(), sharpness)
-        found: Pair = space.kept("aligned weights", key, lambda: _weighed(rays))
-        return found
-
-    def _weighed(rays: int) -> Pair:
-        own: Transfer = space.kept("aligned rays", (rays,), lambda: _traced(space, rays))
-        assert own.probes is not None  # as every set that leaves the vertices has them
-        again = np.ascontiguousarray(planes[:, :, own.probes.chosen])
-        return (
-            weighed(own, planes, strengths, sharpness),
-            weighed(own.probes.transfer, again, strengths, sharpness),
-        )
-
-    return Alignment(planes, strengths, sharpness, traced)
+        some = np.ascontiguousarray(self.planes[:, :, chosen])
+        return self._replace(planes=some, vertices=None)
 
 
 def _traced(space: ScaleSpace, rays: int) -> Transfer:
@@ -112,7 +94,18 @@ def _traced(space: ScaleSpace, rays: int) -> Transfer:
 def weighed(
     transfer: Transfer, planes: Single, strengths: NDArray[np.float64], sharpness: float
 ) -> WeighedTransfer:
-    """Return rays of `rays.half_even` heights, each as much as it counts once it is aligned."""
+    """Return rays of `rays.half_even` heights, each as much as it counts once it is aligned.
+
+    Parameters
+    ----------
+    transfer : Transfer
+    planes : (S, 3, n) array
+        Normals of its samples, fine to coarse.
+    strengths : (S − 1,) array
+        Finest first.
+    sharpness : float
+        γ.
+    """
     from meshdepict.shading.alignment_weights import ray_weights
     from meshdepict.shading.weighed_transfer import WeighedTransfer
     from meshdepict.transport.sky_cells import cell_directions

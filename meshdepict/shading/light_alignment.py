@@ -27,7 +27,7 @@ from meshdepict.scene.material import (
 )
 from meshdepict.scene.names import LightsLike, parted
 from meshdepict.scene.view import View
-from meshdepict.shading.aligned_gathering import alignment
+from meshdepict.shading.aligned_gathering import Alignment
 from meshdepict.shading.alignment_equations import align, confidence, transition
 from meshdepict.shading.alignment_terms import Term, aligned_terms, visible_eye
 from meshdepict.shading.direct import kernel_parameters
@@ -207,10 +207,11 @@ def light_alignment(
     if shadows or bounces:
         gathering: Gathering = PLAIN
         if diffuse_strength.any():
-            around = bool(bounces or environments)
-            gathering = alignment(
-                space.vertex_space if around else space, scales, diffuse_strength, sharpness
-            )
+            of = tuple(scales), diffuse_strength, sharpness
+            gathering = Alignment(normals, *of)
+            if bounces or environments:
+                vertices = space.vertex_space
+                gathering = Alignment(vertices.planes_of(scales), *of, vertices=vertices)
 
         def displayed(light: NDArray[Any]) -> NDArray[Any]:
             value = np.float32(ambient_term(surface)) + albedo(surface) * light

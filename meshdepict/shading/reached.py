@@ -135,13 +135,13 @@ def reached(
             )  # fmt: skip
         return Reached(seen)
 
-    transfer = space.transport(rays)
+    transfer = gathering.traced(space, rays)
     at = transfer.points, transfer.normals
     falling = seen
     if shadows and not space.at_vertices:
         falling = tuple(space.seen_share(light, rays=rays, at=at) for light in lights)
     inside = gathering if gathering.everywhere else PLAIN  # for what is sent on
-    first, inner = gathering.along(transfer), inside.along(transfer)
+    first = gathering.along(transfer)
     from meshdepict.transport.sky_cells import parted_sky
 
     parts = [parted_sky(environment) for environment in environments]
@@ -151,6 +151,7 @@ def reached(
     around = added(_sky(first, skies), shone)
     sent: Single | None = None
     if bounces:
+        inner = inside.along(transfer if inside is gathering else inside.traced(space, rays))
         start = added(fallen(inside, at[1], lights, falling), _sky(inner, skies))
         start = added(start, fallen(inside, at[1], lamps, lit))
         _, sent = bounced(inner, start, albedo=albedo, bounces=bounces)

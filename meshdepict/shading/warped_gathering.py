@@ -35,7 +35,7 @@ class Warping(NamedTuple):
         Curvature of the samples.
     magnitude : float
         α.
-    traced : callable
+    warped : callable
         Returns the rays along warped directions, by their number.
     everywhere : bool
         False: only the light that the eye sees is warped (the paper's first bounce).
@@ -43,7 +43,7 @@ class Warping(NamedTuple):
 
     frames: Frames
     magnitude: float
-    traced: Callable[[int], Transfer]
+    warped: Callable[[int], Transfer]
     everywhere: bool = False
 
     def falls(self, normals: NDArray[Any], light: Light) -> Single:
@@ -53,13 +53,13 @@ class Warping(NamedTuple):
         cosine = np.einsum("ni,ni->n", normals, back)
         return np.asarray(np.maximum(cosine, 0) * weight, np.float32)
 
+    def traced(self, space: ScaleSpace, rays: int) -> Transfer:
+        """Return rays along warped directions."""
+        return self.warped(rays)
+
     def along(self, transfer: Transfer, *, again: bool = False) -> Transfer:
-        """Return as many rays along warped directions."""
-        own = self.traced(transfer.rays)
-        if not again:
-            return own
-        assert own.probes is not None  # as every set that leaves the vertices has them
-        return own.probes.transfer
+        """Return the rays as they are: warped."""
+        return transfer
 
     def at(self, chosen: NDArray[np.int64]) -> Warping:
         """Return that of some of the samples."""
@@ -82,10 +82,11 @@ def warping(
         All that the frames depend on beside the samples.
     """
 
-    def traced(rays: int) -> Transfer:
-        return space.kept("warped rays", (rays, magnitude, *key), lambda: _traced(rays))
+    def warped(rays: int) -> Transfer:
+        found: Transfer = space.kept("warped rays", (rays, magnitude, *key), lambda: traced(rays))
+        return found
 
-    def _traced(rays: int) -> Transfer:
+    def traced(rays: int) -> Transfer:
         from meshdepict.shading.warping_kernel import warp_rays
         from meshdepict.transport.transfer import traced_transfer
 
@@ -100,4 +101,4 @@ def warping(
             bend=lambda directions, which: warp_rays(directions, which, *given),
         )  # fmt: skip
 
-    return Warping(frames, magnitude, traced)
+    return Warping(frames, magnitude, warped)

@@ -98,6 +98,19 @@ def test_a_new_light_costs_its_shadows_alone(space, monkeypatch, method):
     assert calls == [8] * sets + [16] * sets
 
 
+@pytest.mark.parametrize("method", sorted(OWN_RAYS))
+def test_a_sky_that_does_not_bounce_costs_the_rays_of_its_method_alone(space, monkeypatch, method):
+    calls = []
+    real = transfer.traced_transfer
+    monkeypatch.setattr(
+        transfer, "traced_transfer", lambda *a, **k: calls.append(k["rays"]) or real(*a, **k)
+    )
+    METHODS[method](space, white(0.5), shadows=True, rays=8)
+    assert calls == [8]
+    METHODS[method](space, white(0.5), bounces=1, rays=8)
+    assert calls == [8, 8]
+
+
 def test_what_was_traced_goes_along_to_another_process(space):
     shading.lambert(space, SIDE, bounces=1, rays=8)
     again = pickle.loads(pickle.dumps(space))

@@ -96,7 +96,7 @@ def test_an_even_sky_brings_the_share_of_directions_whose_partner_is_above(sheet
     np.testing.assert_allclose(normal, [0, 0, 1], atol=1e-6)
     partner = warp(directions @ turn.T, *(warp_scale(k, 4.0) for k in (ku, kv))) @ turn
     expected = (partner @ normal > 0).mean()
-    found = gathered(sheet, bent(sheet, ku, kv, turn)).along(sheet.transport(512)).from_sky(white())
+    found = gathered(sheet, bent(sheet, ku, kv, turn)).traced(sheet, 512).from_sky(white())
     np.testing.assert_allclose(found, expected, atol=0.008)  # where they set
     assert np.abs(found.mean() - expected) < 0.001
     if tilt == "along" and ku < 0 and kv < 0:
@@ -110,7 +110,7 @@ def test_an_even_sky_brings_the_share_of_directions_whose_partner_is_above(sheet
 def test_rays_by_eq_1_bring_what_lights_do_by_eq_2(sheet, tilt, ku, kv):
     sky = soft_sky(10)
     gathering = gathered(sheet, bent(sheet, ku, kv, TILTS[tilt]))
-    rays = gathering.along(sheet.transport(1024)).from_sky(sky)
+    rays = gathering.traced(sheet, 1024).from_sky(sky)
     lights = sky.lights(4_000)
     normals = sheet.normals_at(0)
     summed = sum(gathering.falls(normals, one)[:, None] * one.color for one in lights)
@@ -127,9 +127,9 @@ def test_every_ray_goes_where_its_direction_is_warped_to(rng, steps):
     frames = bent(space, -0.5, 0.9, rotation(rng))
     normals, points = space.normals_at(0).astype(float), inside.unit_points
     which = np.arange(len(points))
-    own = gathered(space, frames).along(space.transport(64), again=steps is AGAIN)
+    own = gathered(space, frames).traced(space, 64)
     if steps is AGAIN:
-        which = space.transport(64).probes.chosen
+        which, own = own.probes.chosen, own.probes.transfer
     _, directions = RaySet(64, cosine_weighted).leaving(
         points[which], normals[which], normals[which], steps
     )
@@ -177,7 +177,7 @@ def test_only_the_last_way_to_the_eye_is_warped(space, torus, bounces, contrast)
     for _ in range(bounces - 1):
         sent = 0.5 * (falls + dense(plain, torus) @ sent)
     direct = gathering.falls(space.normals_at(0), light) * seen
-    expected = 0.5 * (direct + dense(gathering.along(plain), torus) @ sent)
+    expected = 0.5 * (direct + dense(gathering.traced(space, 16), torus) @ sent)
     area = warp_scale(frames.ku, magnitude) * warp_scale(frames.kv, magnitude)
     found = light_warping(
         space, light, material=Lambert(0.5), magnitude=magnitude, bounces=bounces,
