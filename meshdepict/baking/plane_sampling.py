@@ -57,6 +57,9 @@ def with_sampled_planes(finer: FinerMesh, space: ScaleSpace) -> tuple[FinerMesh,
         facing=space.facing, tolerance=space.tolerance, normals=(pieces.vertices, pieces.corners),
         at_once=space.smoothed,
     )  # fmt: skip
+    if space.tints is not None:
+        corners, weights, _ = sampled.vertices
+        again.tints = np.einsum("nc,nci->ni", weights.astype(np.float32), space.tints[corners])
     after = FinerMesh(again.shape, pieces)
     after.most = finer.most
     return after, again

@@ -35,6 +35,7 @@ class ChosenSamples(ScaleSpace):
             whole.planes_at(0)[:, chosen], facing=whole.facing, tolerance=whole.tolerance,
         )  # fmt: skip
         self._whole, self._chosen = whole, chosen
+        self.tints = whole.tints
 
     def typical(self) -> ScaleSpace:
         """Return the samples of the whole."""

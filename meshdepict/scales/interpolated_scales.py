@@ -59,6 +59,7 @@ class InterpolatedSpace(ScaleSpace):
             source.shape, points, source.widths, source.ratio, own.T,
             facing=source.facing, tolerance=source.tolerance,
         )  # fmt: skip
+        self.tints = source.tints
 
     def typical(self) -> ScaleSpace:
         """Return the samples of the whole."""

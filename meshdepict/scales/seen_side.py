@@ -53,6 +53,7 @@ class SeenSide(ScaleSpace):
         )  # fmt: skip
         self.at_vertices = source.at_vertices
         self.light_errors = source.light_errors
+        self.tints = source.tints
 
     def typical(self) -> ScaleSpace:
         """Return the samples of the whole."""

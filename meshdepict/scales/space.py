@@ -60,9 +60,13 @@ class ScaleSpace(ReliefSamples):
     light_errors : {int: float}
         By the number of rays, root mean square error in grey levels of the last light that was
         sampled: discs, the sky and bounces.
+    tints : (v, 3) array of float32, optional
+        The own colours of the surface's vertices in linear light, which tint what they send on;
+        None: white.
     """
 
     at_vertices = False
+    tints: NDArray[np.float32] | None = None
 
     def __init__(
         self,

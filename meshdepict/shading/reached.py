@@ -5,8 +5,9 @@ options, `reached` what it asks for. With all of them off nothing is traced.
 
 Shadows hide each light by V, the share of it that a sample sees. Light bounces between matt
 surfaces: E_k = E_0 + T ρ E_{k−1}, E_0 what lights and the sky give directly, in which ρ is what the
-method's material reflects diffusely. Bounces without shadows let every light through to where it
-falls first, as without them; from there on surfaces are in each other's way as they are.
+method's material reflects diffusely, times the colours of the surface where they are kept. Bounces
+without shadows let every light through to where it falls first, as without them; from there on
+surfaces are in each other's way as they are.
 """
 
 from __future__ import annotations
@@ -17,6 +18,7 @@ from typing import Annotated, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from meshdepict.color.srgb import linear_to_srgb, srgb_to_linear
 from meshdepict.options import Flag, Range
 from meshdepict.scales.space import ScaleSpace
 from meshdepict.scene.environment import Environment
@@ -102,7 +104,7 @@ def reached(
     shadows, bounces, rays
         The options of these names.
     albedo : float
-        What matt surfaces send on.
+        What matt surfaces send on, times the space's ``tints`` where it has any.
     shown : callable
         What the method displays, in [0, 1], where so much light arrives.
     gathering : Gathering
@@ -149,7 +151,8 @@ def reached(
     if bounces:
         start = added(fallen(inside, at[1], lights, falling), _sky(inner, skies))
         start = added(start, fallen(inside, at[1], lamps, lit))
-        _, sent = bounced(inner, start, albedo=albedo, bounces=bounces)
+        reflected = albedo if space.tints is None else np.float32(albedo) * space.tints
+        _, sent = bounced(inner, start, albedo=reflected, bounces=bounces)
         around = added(around, first.from_surface(sent))
     if probes := transfer.probes:
         chosen = probes.chosen
@@ -165,11 +168,13 @@ def reached(
         again = added(_sky(second, skies), shone[chosen])
         if sent is not None:
             again = added(again, second.from_surface(sent))
-        _record(
-            space, rays,
-            shown(added(fallen(own, places[1], lights, known), around[chosen])),
-            shown(added(fallen(own, places[1], lights, others), again)),
-        )  # fmt: skip
+        values, again = (
+            shown(added(fallen(own, places[1], lights, shares), rest))
+            for shares, rest in ((known, around[chosen]), (others, again))
+        )
+        if sent is not None and space.tints is not None:
+            values, again = (_tinted(each, space.tints[chosen]) for each in (values, again))
+        _record(space, rays, values, again)
     return Reached(seen, space.of_vertices(around).astype(np.float32), sent)
 
 
@@ -187,6 +192,12 @@ def added(one: Single, other: Single) -> Single:
     if one.ndim == other.ndim:
         return one + other
     return one + other[:, None] if one.ndim == 2 else one[:, None] + other
+
+
+def _tinted(shown: NDArray[Any], tints: Single) -> NDArray[Any]:
+    """Return what is displayed (k,) or (k, 3) on surfaces of a colour, as it is shown at last."""
+    light = srgb_to_linear(shown)
+    return np.asarray(linear_to_srgb((light if light.ndim == 2 else light[:, None]) * tints))
 
 
 def _record(space: ScaleSpace, rays: int, values: NDArray[Any], again: NDArray[Any]) -> None:
