@@ -19,31 +19,42 @@ from meshdepict.baking.chosen_normals import refuse_other_sides, sides_of, with_
 from meshdepict.baking.clipping import warn_of_clipping
 from meshdepict.baking.layers import shade_layers
 from meshdepict.baking.provenance import describe, was_baked
+from meshdepict.baking.sampling import Place, sampled
 from meshdepict.baking.sheets import warn_of_backs
 from meshdepict.baking.tinting import heights_of, tinted
 from meshdepict.color import colormaps2d
 from meshdepict.errors import MeshdepictError
 from meshdepict.scales.ladder import Progress
-from meshdepict.scales.making import scale_space
 from meshdepict.scales.space import ScaleSpace
 from meshdepict.scene.names import Lighting, as_light
 from meshdepict.shapes.colors import vertex_colors
 from meshdepict.shapes.gbuffer import GBuffer
+from meshdepict.shapes.ground_plane import GroundPlane
 from meshdepict.shapes.height_field import HeightField
 from meshdepict.shapes.mesh import Mesh
 
 __all__ = [
-    "as_mesh", "as_solid", "bake_surface", "own_colors", "refuse_other_scales", "with_choices",
+    "as_mesh", "as_solid", "as_surface", "bake_surface", "own_colors", "refuse_other_scales",
+    "surface_tints", "with_choices",
 ]  # fmt: skip
 
 
-def bake_surface(shape: object, look: Choices, *, progress: Progress | None = None) -> Baked:
+def bake_surface(
+    shape: object,
+    look: Choices,
+    *,
+    place: Place | None = None,
+    progress: Progress | None = None,
+) -> Baked:
     """Shade a mesh or an image; see `bake`.
 
     Parameters
     ----------
     shape : path, Mesh, HeightField, GBuffer, ScaleSpace, pyvista.PolyData or trimesh.Trimesh
     look : Choices
+        Its ground is nobody's business here; see `objects`.
+    place : Place, optional
+        Of a mesh among others.
     progress : callable, optional
         ``progress(done, total)``.
     """
@@ -75,22 +86,19 @@ def bake_surface(shape: object, look: Choices, *, progress: Progress | None = No
         own = own_colors(mesh)
         tints = surface_tints(mesh, own)
     look = look.posed(mesh)
-    eye = look.eye(mesh)
+    eye = look.eye(mesh) if place is None else place.eye
     lamp = look.lighting(eye, kind)
     if isinstance(shape, ScaleSpace):
         refuse_other_scales(shape, chosen)
 
     def make(scales: int, ratio: float) -> ScaleSpace:
-        if isinstance(shape, ScaleSpace):
-            space = shape if tints is None else copy.copy(shape)  # which others go on using
-        else:
-            space = scale_space(
-                mesh, scales=scales, width=look.width, ratio=ratio, facing=look.facing,
-                tolerance=look.tolerance, view=eye, at_once=(),
-            )  # fmt: skip
-        if tints is not None:
-            space.tints = tints
-        return space
+        if not isinstance(shape, ScaleSpace):
+            return sampled(mesh, look, eye, (scales, ratio), tints=tints, place=place)
+        if tints is None:
+            return shape
+        tinted = copy.copy(shape)  # others go on using that one
+        tinted.tints = tints
+        return tinted
 
     blend = None
     if look.blend is not None:
@@ -101,7 +109,8 @@ def bake_surface(shape: object, look: Choices, *, progress: Progress | None = No
         space = make(scales, ratio)
         space.smooth(look.reads(space.last).sets, progress=progress)
         look = look.settled(space)
-    if not made and not look.two_sided:  # viewers turn what they show
+    level = isinstance(mesh, GroundPlane)  # which many views see edge-on
+    if not (made or look.two_sided or level):  # viewers turn what they show
         warn_of_backs(space.points, space.normals_at(0), eye)
     linear = look.declared.linear
 

@@ -36,6 +36,7 @@ class ChosenSamples(ScaleSpace):
         )  # fmt: skip
         self._whole, self._chosen = whole, chosen
         self.tints = whole.tints
+        self.company, self.member = whole.company, whole.member
 
     def typical(self) -> ScaleSpace:
         """Return the samples of the whole."""
@@ -45,6 +46,11 @@ class ChosenSamples(ScaleSpace):
     def surface(self) -> Mesh:
         """The whole surface."""
         return self._whole.surface
+
+    @property
+    def own_surface(self) -> Mesh:
+        """The whole's."""
+        return self._whole.own_surface
 
     @property
     def vertical(self) -> NDArray[np.float64]:

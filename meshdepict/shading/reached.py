@@ -23,6 +23,7 @@ from meshdepict.options import Flag, Range
 from meshdepict.scales.space import ScaleSpace
 from meshdepict.scene.environment import Environment
 from meshdepict.scene.light import Light
+from meshdepict.shading.company_light import sent_together
 from meshdepict.shading.gathering import PLAIN, Gathering, Gathers, fallen
 from meshdepict.transport.radiosity import bounced
 from meshdepict.transport.rays import AGAIN, MOST_RAYS, probed
@@ -65,7 +66,8 @@ class Reached(NamedTuple):
     around : (n,) or (n, 3) array, optional
         E_k − E_0 of the lights: from the sky and by bounces, in units of a cosine. None: nothing.
     sent : (v,) or (v, 3) array, optional
-        B_{k−1} of the vertices of the surface, which the last bounce brought. None: no bounce.
+        B_{k−1} of the vertices of the surface, of all objects that stand together, which the last
+        bounce brought. None: no bounce.
     """
 
     seen: Shares
@@ -115,6 +117,9 @@ def reached(
     MeshdepictError
         For samples that are no part of a surface.
     """
+    inside = gathering if gathering.everywhere else PLAIN  # for what is sent on
+    if space.company is not None:
+        space.company.hear(space, albedo, inside)
     seen: Shares = (None,) * len(lights)
     if not (shadows or bounces):
         return Reached(seen)
@@ -138,8 +143,7 @@ def reached(
     falling = seen
     if shadows and not space.at_vertices:
         falling = tuple(space.seen_share(light, rays=rays, at=at) for light in lights)
-    inside = gathering if gathering.everywhere else PLAIN  # for what is sent on
-    first, inner = gathering.along(transfer), inside.along(transfer)
+    first = gathering.along(transfer)
     from meshdepict.transport.sky_cells import parted_sky
 
     parts = [parted_sky(environment) for environment in environments]
@@ -149,10 +153,21 @@ def reached(
     around = added(_sky(first, skies), shone)
     sent: Single | None = None
     if bounces:
-        start = added(fallen(inside, at[1], lights, falling), _sky(inner, skies))
-        start = added(start, fallen(inside, at[1], lamps, lit))
-        reflected = albedo if space.tints is None else np.float32(albedo) * space.tints
-        _, sent = bounced(inner, start, albedo=reflected, bounces=bounces)
+
+        def start(one: Gathering, inner: Gathers, normals: Any, *shares: Sequence[Any]) -> Single:
+            direct = added(fallen(one, normals, lights, shares[0]), _sky(inner, skies))
+            return added(direct, fallen(one, normals, lamps, shares[1]))
+
+        if space.company is None:
+            inner = inside.along(transfer)
+            light = start(inside, inner, at[1], falling, lit)
+            reflected = albedo if space.tints is None else np.float32(albedo) * space.tints
+            _, sent = bounced(inner, light, albedo=reflected, bounces=bounces)
+        else:
+            sent = sent_together(
+                space.company, lights, skies, lamps,
+                shadows=shadows, bounces=bounces, rays=rays, start=start,
+            )  # fmt: skip
         around = added(around, first.from_surface(sent))
     if probes := transfer.probes:
         chosen = probes.chosen

@@ -23,7 +23,6 @@ from numpy.typing import NDArray
 
 from meshdepict.errors import MeshdepictError
 from meshdepict.files.limits import as_text, max_memory
-from meshdepict.surface.openings import open_faces
 from meshdepict.threads import each, kernel, spans, thread_count
 from meshdepict.transport.rays import (
     AGAIN,
@@ -163,6 +162,7 @@ def traced_transfer(
     *,
     normals: NDArray[Any] | None = None,
     rays: int = 64,
+    part: slice = slice(None),
     done: Callable[[int], None] | None = None,
 ) -> Transfer:
     """Trace the rays from the vertices of a mesh, and of a thousand of them once more.
@@ -174,6 +174,8 @@ def traced_transfer(
         Unit, of its vertices, in place of its own.
     rays : int
         Per vertex, 2 … 65536, cosine-weighted.
+    part : slice
+        Of which vertices; all unless given.
     done : callable, optional
         Called with the number of a finished batch.
 
@@ -191,11 +193,12 @@ def traced_transfer(
             "more with --max-memory"
         )
     where = mesh.normals if normals is None else np.asarray(normals)
-    chosen = probed(len(mesh.vertices))
-    lifts = lifted(mesh.unit_points, where)
-    second = _traced(mesh, mesh.unit_points[chosen], where[chosen], lifts[chosen], count, AGAIN)
+    points, lifts = mesh.unit_points[part], lifted(mesh.unit_points, where)[part]
+    where = where[part]
+    chosen = probed(len(points))
+    second = _traced(mesh, points[chosen], where[chosen], lifts[chosen], count, AGAIN)
     return _traced(
-        mesh, mesh.unit_points, where, lifts, count, FIRST, probes=Probes(chosen, second), done=done
+        mesh, points, where, lifts, count, FIRST, probes=Probes(chosen, second), done=done
     )
 
 
@@ -216,7 +219,7 @@ def _traced(
     facing = np.cross(b - a, c - a)
     largest = np.abs(facing).max(axis=1, keepdims=True)
     facing = (facing / np.where(largest > 0, largest, 1)).astype(np.float32)
-    facing[open_faces(mesh.unit_points, mesh.faces)] = 0  # never seen from behind
+    facing[mesh.open_faces] = 0  # never seen from behind
     # Embree counts u and v from the corners as the scene has them, turned or not.
     faces = mesh.faces.astype(np.int32)
     batch = max(1, BATCH // rays)
