@@ -7,6 +7,8 @@ from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any, Self, TypeGuard
 
+import numpy as np
+
 from meshdepict.baking import volumes
 from meshdepict.baking.baked import Baked
 from meshdepict.baking.baked_together import BakedTogether
@@ -125,9 +127,15 @@ def bake_together(
         choice of what is the scene's.
     """
     look = Look(method, **chosen)
+    if isinstance(shapes, (str, bytes, os.PathLike)) or not np.iterable(shapes):
+        raise MeshdepictError(
+            f"shapes={shapes!r} is no sequence of meshes: give at least one in []"
+        )
     pairs = [each if _is_pair(each) else (each, {}) for each in shapes]
     for number, (_, own) in enumerate(pairs, start=1):
         for name in own:
+            if not isinstance(name, str):
+                raise MeshdepictError(f"{name!r} of object {number} is no name of a choice")
             if name in OF_THE_SCENE:
                 raise MeshdepictError(
                     f"{name} of object {number} is all objects': give it to bake_together itself"

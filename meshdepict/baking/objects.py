@@ -119,7 +119,7 @@ def scene_meshes(meshes: Sequence[Mesh], look: Choices) -> list[Mesh]:
     """Return the meshes of a scene: objects, and the ground if a look with an up has one."""
     if look.ground is None:
         return [*meshes]
-    return [*meshes, ground_under(*meshes, up=look.axis(MESH))]
+    return [*meshes, ground_under(meshes, up=look.axis(MESH))]
 
 
 def _mesh(shape: object, look: Choices) -> Mesh:
@@ -169,8 +169,9 @@ def _posed(meshes: Sequence[Mesh], looks: Sequence[Look]) -> list[Look]:
     """Return the looks with one up, one view and one light for the whole scene."""
     standing = [mesh for mesh in meshes if not isinstance(mesh, GroundPlane)] or meshes
     posed = looks[0].posed(JoinedMesh(standing))
-    view = posed.view
-    if looks[0].view == AUTO and looks[0].ground is not None and view != "top":
+    view, given = posed.view, looks[0].view
+    free = isinstance(given, str) and given == AUTO
+    if free and looks[0].ground is not None and view != "top":
         view = _SHOWS_GROUND
     shared: dict[str, Any] = {"up": posed.up, "view": view}
     light = looks[0].lit_by

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from meshdepict.scales.ladder import check_ladder
 from meshdepict.scales.making import scale_space
 from meshdepict.scales.space import ScaleSpace
 from meshdepict.scene.view import View
@@ -50,6 +51,7 @@ def sampled(
     place: Place | None = None,
 ) -> ScaleSpace:
     """Return a scale space of a surface, with nothing smoothed yet; of a place the one it has."""
+    check_ladder(*ladder, look.facing, look.tolerance)
     known = {} if place is None else place.spaces
     if ladder not in known:
         space = known[ladder] = scale_space(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,11 +12,21 @@ from numpy.typing import NDArray
 from meshdepict.shapes.joined import JoinedMesh
 
 if TYPE_CHECKING:
-    from meshdepict.scales.space import ScaleSpace
     from meshdepict.shapes.mesh import Mesh
     from meshdepict.transport.transfer import Transfer
 
 __all__ = ["Company", "Rehearsed", "Sending"]
+
+
+class Samples(Protocol):
+    """A scale space, as far as it is asked here."""
+
+    at_vertices: bool
+    member: int
+    tints: NDArray[np.float32] | None
+
+    def normals_at(self, scale: int, /) -> NDArray[np.float32]:
+        """Return the unit normals (n, 3) of a scale."""
 
 
 class Rehearsed(Exception):  # noqa: N818  # no error: what was to be heard has been said
@@ -76,7 +86,7 @@ class Company:
         finally:
             self._listening = False
 
-    def hear(self, space: ScaleSpace, albedo: float, gathering: Any) -> None:
+    def hear(self, space: Samples, albedo: float, gathering: Any) -> None:
         """Take down what an object says of itself in a rehearsal, and end that."""
         if not self._listening:
             return

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import cached_property
 
 import numpy as np
@@ -64,14 +65,14 @@ class GroundPlane(Mesh):
         return self.vertices[self.radius <= (_FADES + _ENDS) / 2]
 
 
-def ground_under(*meshes: Mesh, up: str = "y", size: float = 3.0) -> GroundPlane:
-    """Return a level ground under meshes, at their lowest point: a disc round their middle.
+def ground_under(mesh: Mesh | Sequence[Mesh], *, up: str = "y", size: float = 3.0) -> GroundPlane:
+    """Return a level ground under a mesh or several, at the lowest point: a disc about the middle.
 
     Pictures show its middle, with a soft edge; shadows and light that bounces go as far as it is.
 
     Parameters
     ----------
-    *meshes : Mesh
+    mesh : Mesh or sequence of Mesh
         What stands on it.
     up : {"y", "z", "-y", "-z", "x", "-x"}
         Which axis points up.
@@ -83,17 +84,18 @@ def ground_under(*meshes: Mesh, up: str = "y", size: float = 3.0) -> GroundPlane
     MeshdepictError
         For anything else, and without a mesh.
     """
-    if not meshes or not all(isinstance(mesh, Mesh) for mesh in meshes):
-        raise MeshdepictError("ground_under needs the meshes that stand on it: give at least one")
+    several = [mesh] if isinstance(mesh, Mesh) or not np.iterable(mesh) else [*mesh]
+    if not several or not all(isinstance(each, Mesh) for each in several):
+        raise MeshdepictError("ground_under needs the mesh that stands on it, or several")
     if not 1 <= (real(size) or 0) <= 100:
         raise MeshdepictError(f"size={size!r} is not a number of diagonals from 1 to 100")
     axis = upright(up)[:, 1]
-    low = np.min([mesh.vertices.min(axis=0) for mesh in meshes], axis=0)
-    high = np.max([mesh.vertices.max(axis=0) for mesh in meshes], axis=0)
+    low = np.min([each.vertices.min(axis=0) for each in several], axis=0)
+    high = np.max([each.vertices.max(axis=0) for each in several], axis=0)
     centre = low / 2 + high / 2
     unit = float(np.linalg.norm(high - low)) or float(np.abs(centre).max()) or 1.0
     down = float(np.abs((high - low) @ axis)) / 2 + _BELOW * float(size) * unit
-    units = {mesh.length_unit for mesh in meshes}
+    units = {each.length_unit for each in several}
     return GroundPlane(
         centre - down * axis, axis, unit, float(size),
         length_unit=units.pop() if len(units) == 1 else "",

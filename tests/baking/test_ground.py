@@ -48,7 +48,7 @@ def test_it_sends_light_up_as_an_endless_plane_would(sphere):
     # Under a light from straight above the ground sends 1, and the shadow of the sphere 0.
     options = {"light": (0, 1, 0), "shadows": True, "rays": 4096}
     high = md.Mesh(sphere.vertices + np.array((0, 4.0, 0)), sphere.faces)
-    ground = md.ground_under(high, md.Mesh(sphere.vertices, sphere.faces), size=12)
+    ground = md.ground_under([high, md.Mesh(sphere.vertices, sphere.faces)], size=12)
     none, once = (
         md.bake_together([high, ground], "lambert", bounces=k, **options)[0].intensity
         for k in (0, 1)

@@ -302,6 +302,10 @@ def test_what_does_not_stand_together_is_refused(torus):
         md.bake_together([torus, ct_phantom(size=(8, 8, 8))], "lambert")
     with pytest.raises(MeshdepictError, match="this ScaleSpace is of what stands alone: give its"):
         md.bake_together([md.scale_space(torus, scales=0)], "lambert")
+    with pytest.raises(MeshdepictError, match="is no sequence of meshes: give at least one in"):
+        md.bake_together(torus, "lambert")
+    with pytest.raises(MeshdepictError, match="3 of object 1 is no name of a choice"):
+        md.bake_together([(torus, {3: 4})], "lambert")
     with pytest.raises(MeshdepictError, match="nothing stands together: give at least one object"):
         md.bake_together([], "lambert")
     with pytest.raises(MeshdepictError, match="object 2: albedo='keep' needs the object's own"):

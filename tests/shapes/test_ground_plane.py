@@ -53,7 +53,7 @@ def test_it_grows_and_moves_with_what_stands_on_it(torus):
 
 def test_it_lies_under_the_lowest_of_several(torus):
     lower = md.Mesh(torus.vertices - np.array((5, 3, 0)), torus.faces)
-    ground = md.ground_under(torus, lower)
+    ground = md.ground_under([torus, lower])
     assert ground.vertices[:, 1].max() < lower.vertices[:, 1].min()
     assert ground.middle[0] == pytest.approx((torus.centre[0] + lower.centre[0]) / 2)
 
@@ -77,9 +77,9 @@ def test_a_point_has_a_ground_too():
 
 
 def test_what_cannot_have_a_ground_is_refused(torus):
-    with pytest.raises(MeshdepictError, match="ground_under needs the meshes that stand on it"):
-        md.ground_under()
-    with pytest.raises(MeshdepictError, match="ground_under needs the meshes that stand on it"):
+    with pytest.raises(MeshdepictError, match="ground_under needs the mesh that stands on it"):
+        md.ground_under([])
+    with pytest.raises(MeshdepictError, match="ground_under needs the mesh that stands on it"):
         md.ground_under(md.HeightField(np.eye(3)))
     for size in (0.5, 1000, "wide"):
         with pytest.raises(MeshdepictError, match="is not a number of diagonals from 1 to 100"):
