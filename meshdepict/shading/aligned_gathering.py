@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from meshdepict.scales.space import ScaleSpace
 from meshdepict.shading.sharpness import SINGLE
 from meshdepict.threads import each, spans, thread_count
+from meshdepict.transport.rays import half_even
 
 if TYPE_CHECKING:
     from meshdepict.scene.light import Light
@@ -63,7 +64,9 @@ class Alignment(NamedTuple):
     def traced(self, space: ScaleSpace, rays: int) -> Transfer:
         """Return rays of which half are evenly spread."""
         vertices = space.vertex_space
-        found: Transfer = vertices.kept("even rays", (rays,), lambda: _traced(vertices, rays))
+        found: Transfer = vertices.kept(
+            "even rays", (rays,), lambda: vertices.traced(rays, height=half_even)
+        )
         return found
 
     def along(self, transfer: Transfer, *, again: bool = False) -> WeighedTransfer:
@@ -82,13 +85,6 @@ class Alignment(NamedTuple):
         """Return that of some of the samples."""
         some = np.ascontiguousarray(self.planes[:, :, chosen])
         return self._replace(planes=some, vertices=None)
-
-
-def _traced(space: ScaleSpace, rays: int) -> Transfer:
-    from meshdepict.transport.rays import half_even
-    from meshdepict.transport.transfer import traced_transfer
-
-    return traced_transfer(space.surface, normals=space.normals_at(0), rays=rays, height=half_even)
 
 
 def weighed(

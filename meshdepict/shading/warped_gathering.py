@@ -88,7 +88,6 @@ def warping(
 
     def traced(rays: int) -> Transfer:
         from meshdepict.shading.warping_kernel import warp_rays
-        from meshdepict.transport.transfer import traced_transfer
 
         axes = (np.ascontiguousarray(axis, np.float32) for axis in (frames.u, frames.v, frames.z))
         stretch = (
@@ -96,9 +95,8 @@ def warping(
             for k in (frames.ku, frames.kv)
         )
         given = (*axes, *stretch)
-        return traced_transfer(
-            space.surface, normals=space.normals_at(0), rays=rays,
-            bend=lambda directions, which: warp_rays(directions, which, *given),
-        )  # fmt: skip
+        return space.traced(
+            rays, bend=lambda directions, which: warp_rays(directions, which, *given)
+        )
 
     return Warping(frames, magnitude, warped)

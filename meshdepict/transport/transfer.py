@@ -24,7 +24,6 @@ from numpy.typing import NDArray
 
 from meshdepict.errors import MeshdepictError
 from meshdepict.files.limits import as_text, max_memory
-from meshdepict.surface.openings import open_faces
 from meshdepict.threads import each, kernel, spans, thread_count
 from meshdepict.transport.rays import (
     AGAIN,
@@ -165,6 +164,7 @@ def traced_transfer(
     *,
     normals: NDArray[Any] | None = None,
     rays: int = 64,
+    part: slice = slice(None),
     height: Callable[[Floats], Floats] = cosine_weighted,
     bend: Bend | None = None,
     done: Callable[[int], None] | None = None,
@@ -178,6 +178,8 @@ def traced_transfer(
         Unit, of its vertices, in place of its own.
     rays : int
         Per vertex, 2 … 65536.
+    part : slice
+        Of which vertices; all unless given.
     height : callable
         How dense they are; see `rays.RaySet`. Whoever takes another than `cosine_weighted` has to
         weigh what they bring.
@@ -202,14 +204,15 @@ def traced_transfer(
             "more with --max-memory"
         )
     where = mesh.normals if normals is None else np.asarray(normals)
-    chosen = probed(len(mesh.vertices))
-    lifts = lifted(mesh.unit_points, where)
+    points, lifts = mesh.unit_points[part], lifted(mesh.unit_points, where)[part]
+    where = where[part]
+    chosen = probed(len(points))
     second = _traced(
-        mesh, mesh.unit_points[chosen], where[chosen], lifts[chosen], RaySet(count, height), AGAIN,
+        mesh, points[chosen], where[chosen], lifts[chosen], RaySet(count, height), AGAIN,
         bend=None if bend is None else lambda d, here: bend(d, chosen[here]),
     )  # fmt: skip
     return _traced(
-        mesh, mesh.unit_points, where, lifts, RaySet(count, height), FIRST, bend=bend,
+        mesh, points, where, lifts, RaySet(count, height), FIRST, bend=bend,
         probes=Probes(chosen, second), done=done,
     )  # fmt: skip
 
@@ -232,7 +235,7 @@ def _traced(
     facing = np.cross(b - a, c - a)
     largest = np.abs(facing).max(axis=1, keepdims=True)
     facing = (facing / np.where(largest > 0, largest, 1)).astype(np.float32)
-    facing[open_faces(mesh.unit_points, mesh.faces)] = 0  # never seen from behind
+    facing[mesh.open_faces] = 0  # never seen from behind
     # Embree counts u and v from the corners as the scene has them, turned or not.
     faces = mesh.faces.astype(np.int32)
     batch = max(1, BATCH // rays)
