@@ -20,7 +20,6 @@ from meshdepict.scene.material import (
     HalfLambert,
     LitSphere,
     Material,
-    Mirror,
     Phong,
     Refractive,
     diffuse_term,
@@ -122,9 +121,9 @@ def refuse_unhidden(material: Material, illumination: str) -> None:
     Raises
     ------
     MeshdepictError
-        For materials that show surroundings or a painting, and for precomputed light.
+        For a painted material, and for precomputed light.
     """
-    if isinstance(material, (LitSphere, Mirror, Refractive)):
+    if isinstance(material, (LitSphere, Refractive)):
         raise MeshdepictError(
             f"{type(material).__name__} shows no lights that could cast shadows or bounce: leave "
             "shadows and bounces out"
