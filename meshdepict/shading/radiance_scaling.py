@@ -208,9 +208,9 @@ def radiance_scaling(
     shadows, bounces : bool, int
         With light by light alone. Light that comes by rays, from the sky and by bounces, is scaled
         ray by ray, δ = n·d, by κ without its anisotropy; the ambient term neither is hidden nor
-        bounces, and highlights of an environment stay where its matt light is hidden. A mirror
-        shows the surface: mirrored as often as bounces says, then the environment, or nothing where
-        shadows hide that.
+        bounces. Highlights, too, are of what rays meet: the sky or the surface. A mirror shows the
+        surface: mirrored as often as bounces says, then the environment, or nothing where shadows
+        hide that.
     enhance : {"first", "all"}
         "all" is the paper's fig. 11, of the surface's own curvature. Where albedo times scaling is
         above 1 light grows from bounce to bounce: the sum of so many bounces is finite still, and
@@ -308,7 +308,8 @@ def radiance_scaling(
             )  # fmt: skip
         shaded = hidden_direct(
             space, lamps, eyes(space, eye), chosen, reach, environments=environments, count=lights,
-            frames=frames, warping=warping, scaling=Scaling(gamma_d, gamma_s, alpha, anisotropy),
+            rays=rays or USUAL_RAYS, frames=frames, warping=warping,
+            scaling=Scaling(gamma_d, gamma_s, alpha, anisotropy),
         )  # fmt: skip
         if ambient:
             everywhere = np.full(len(kappa), ambient, np.float32)
