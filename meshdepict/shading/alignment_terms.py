@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from meshdepict.scene.light import Light
 from meshdepict.scene.material import Lambert, Material, Phong, diffuse_term, specular_term
 from meshdepict.shading.seen_through import transmitted_guides
 from meshdepict.shading.transmission import rough_transmission
 
-__all__ = ["Term", "aligned_terms", "visible_eye"]
+__all__ = ["Term", "aligned_terms", "lit_by", "visible_eye"]
 
 Term = Callable[[NDArray[np.float64]], NDArray[np.float32]]
 """What a light of 1 from a direction shows (n,)."""
@@ -65,6 +66,19 @@ def aligned_terms(
             return np.float32(transmitted) * shown
 
         found["clear"] = clear
+    return found
+
+
+def lit_by(
+    lamp: Light, terms: Mapping[str, Term], share: NDArray[np.float32] | None = None
+) -> NDArray[np.float32]:
+    """Return the terms (n, 1 or 3) of a light, as much as it is seen; what shines through is."""
+    color = lamp.color.astype(np.float32)
+    parts = {name: term(lamp.direction) for name, term in terms.items()}
+    if share is not None:
+        parts = {name: p if name == "clear" else p * share for name, p in parts.items()}
+    shaded = np.sum(list(parts.values()), axis=0)
+    found: NDArray[np.float32] = shaded[:, None] * (color[:1] if np.ptp(color) == 0 else color)
     return found
 
 

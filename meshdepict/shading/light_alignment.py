@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Annotated, Any
 
 import numpy as np
@@ -14,7 +14,7 @@ from meshdepict.errors import MeshdepictError
 from meshdepict.options import Choice, Range
 from meshdepict.scales.reads import Reads
 from meshdepict.scales.space import ScaleSpace
-from meshdepict.scene.light import Light
+from meshdepict.scene.environment import Environment
 from meshdepict.scene.material import (
     AshikhminShirley,
     CookTorrance,
@@ -29,12 +29,13 @@ from meshdepict.scene.names import LightsLike, parted
 from meshdepict.scene.view import View
 from meshdepict.shading.aligned_gathering import Alignment
 from meshdepict.shading.alignment_equations import align, confidence, transition
-from meshdepict.shading.alignment_terms import Term, aligned_terms, visible_eye
+from meshdepict.shading.alignment_terms import aligned_terms, lit_by, visible_eye
 from meshdepict.shading.direct import kernel_parameters
 from meshdepict.shading.features import LightCount, Parameter, eyes, sight
 from meshdepict.shading.gathering import PLAIN, Gathering
 from meshdepict.shading.hidden_light import albedo, hidden_direct, matt
-from meshdepict.shading.lobes import aligned_lobes, needs_samples
+from meshdepict.shading.lobe_samples import LobeSamples
+from meshdepict.shading.lobes import aligned_lobes, aligned_samples, needs_samples
 from meshdepict.shading.method import Exposure, exposed, method, require_smoothing
 from meshdepict.shading.reached import (
     USUAL_RAYS,
@@ -175,8 +176,8 @@ def light_alignment(
     shadows, bounces : bool, int
         A light is hidden by what lies where it is, and shades from where it is turned to; so does
         each ray that brings what the sky sends and surfaces send on, before which light bounces as
-        ever. Rays bring matt light: highlights of an environment stay where its matt light is
-        hidden, and what bounced has none. Transmitted light is not hidden.
+        ever. Highlights have rays and guides of their own, and are of the same sky and surface.
+        Transmitted light is not hidden.
 
     Raises
     ------
@@ -223,8 +224,9 @@ def light_alignment(
         )  # fmt: skip
     if (shadows or bounces) and not transmitted and not any(each.any() for each in used):
         plain = hidden_direct(
-            space, lamps, eyes(space, eye), surface, reach, environments=environments, count=lights
-        )
+            space, lamps, eyes(space, eye), surface, reach, environments=environments,
+            count=lights, rays=rays,
+        )  # fmt: skip
         total = np.float32(ambient_term(surface)) + (plain if plain.ndim == 2 else plain[:, None])
     else:
         terms = aligned_terms(
@@ -234,20 +236,34 @@ def light_alignment(
         )  # fmt: skip
         total = np.full((space.count, 1), ambient_term(surface), np.float32)
         for lamp, share in zip(lamps, reach.seen, strict=True):
-            total = total + _lit(lamp, terms, share)
+            total = total + lit_by(lamp, terms, share)
+        kind, parameters = kernel_parameters(surface)
         if reach.around is not None:
             came = (matt(surface, normals[0].T, eyes(space, eye)) * reach.around.T).T
             total = total + (came if came.ndim == 2 else came[:, None])
-        kind, parameters = kernel_parameters(surface)
+        if reach.around is not None and "glossy" in terms and parameters[1] > 0:
+            from meshdepict.shading.hidden_lobes import hidden_lobes
+
+            count = max(lights, rays)
+
+            def samples(environment: Environment) -> list[LobeSamples]:
+                return aligned_samples(
+                    normals, eyes(space, eye), environment, kind, parameters,
+                    count=count, sharpness=sharpness, strengths=glossy_strength,
+                )  # fmt: skip
+
+            asked = kind, parameters, count, eyes(space, eye), scales, glossy_strength, sharpness
+            gloss = hidden_lobes(space, environments, samples, sent=reach.sent, question=asked)
+            total = total + (gloss if gloss.ndim == 2 else gloss[:, None])
         sampled = [e for e in environments if needs_samples(e, kind, parameters)]
         for environment in environments:
-            # Its matt light may have come around; lobes are sampled where lights won't do.
-            elsewhere = {"matt"} if reach.around is not None else set()
+            # What comes by rays is no matter of lights, nor are lobes where those won't do.
+            elsewhere = {"matt", "glossy"} if reach.around is not None else set()
             elsewhere |= {"glossy"} if environment in sampled else set()
             own = {name: term for name, term in terms.items() if name not in elsewhere}
             for lamp in environment.lights(lights) if own else ():
-                total = total + _lit(lamp, own)
-        for environment in sampled:
+                total = total + lit_by(lamp, own)
+        for environment in sampled if reach.around is None else ():
             total = total + aligned_lobes(
                 normals, eyes(space, eye), environment, kind, parameters,
                 count=lights, sharpness=sharpness, strengths=glossy_strength,
@@ -260,19 +276,6 @@ def light_alignment(
                 refraction=refraction, frosting=frosting,
             )  # fmt: skip
     return exposed(total[:, 0] if total.shape[1] == 1 else total, exposure)
-
-
-def _lit(
-    lamp: Light, terms: Mapping[str, Term], share: NDArray[np.float32] | None = None
-) -> NDArray[np.float32]:
-    """Return the terms (n, 1 or 3) of a light, as much as it is seen; what shines through is."""
-    color = lamp.color.astype(np.float32)
-    parts = {name: term(lamp.direction) for name, term in terms.items()}
-    if share is not None:
-        parts = {name: p if name == "clear" else p * share for name, p in parts.items()}
-    shaded = np.sum(list(parts.values()), axis=0)
-    found: NDArray[np.float32] = shaded[:, None] * (color[:1] if np.ptp(color) == 0 else color)
-    return found
 
 
 def per_scale(steps: int, strength: float | Sequence[float], name: str) -> NDArray[Any]:

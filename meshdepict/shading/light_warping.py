@@ -15,6 +15,7 @@ from meshdepict.scales.space import ScaleSpace
 from meshdepict.scene.material import (
     HalfLambert,
     LitSphere,
+    Material,
     Mirror,
     Refractive,
     ambient_term,
@@ -64,6 +65,8 @@ def _bends(magnitude: float, gain: float | None) -> bool:
 def _reads(
     last: int,
     *,
+    material: str | Material,
+    roughness: float | None,
     curvature: str,
     scale: int,
     gain: float | None,
@@ -77,6 +80,9 @@ def _reads(
 ) -> Reads:
     """Return the shape's own normals, with what bends light, and rays if they are wanted."""
     hidden = ray_count(shadows=shadows, bounces=bounces, rays=rays or USUAL_RAYS)
+    if isinstance(shown := as_material(material), (Mirror, Refractive)):  # a smooth one has one ray
+        rough = isinstance(shown, Mirror) and (roughness or shown.roughness)
+        hidden = int(shadows or bounces > 0) * ((rays or USUAL_RAYS) if rough else 1)
     gathered = (rays or _OPENNESS_RAYS) if illumination == "occlusion" else hidden
     own = Reads(normals=frozenset((0,)), rays=gathered)
     return own | bends(scale, curvature, importance, last) if _bends(magnitude, gain) else own
@@ -174,8 +180,9 @@ def light_warping(
     shadows, bounces : bool, int
         With light by light alone (§6.1). A light is hidden by what lies where it is, and falls in
         from where it is warped to (eq. 2). What the sky sends and surfaces send on comes along
-        rays W(d) of the method's own (eq. 1); before that light bounces as ever. Highlights of an
-        environment stay where its matt light is hidden.
+        rays W(d) of the method's own (eq. 1); before that light bounces as ever. Highlights, too,
+        are of what rays meet: the sky or the surface. A mirror's ray is warped where the eye sees
+        it, and mirrored as often as bounces says.
     rays : int
         0: for illumination="occlusion" 256, and 64 with shadows and bounces.
     importance : str or array_like in [0, 1], optional
@@ -219,7 +226,10 @@ def light_warping(
 
         shaded = warped_openness(space, frames, magnitude, rays=rays or _OPENNESS_RAYS)
     elif isinstance(chosen, (Mirror, Refractive)):
-        shaded = seen(space, light, eye, chosen, frames, magnitude)
+        shaded = seen(
+            space, light, eye, chosen, frames, magnitude, shadows=shadows, bounces=bounces,
+            rays=rays or USUAL_RAYS,
+        )  # fmt: skip
     elif quadrature == "directions":
         environment = as_environment(light, "quadrature='directions'")
         shaded = integral(space, environment, eyes(space, eye), chosen, frames, magnitude, lights)
@@ -252,7 +262,7 @@ def light_warping(
             )  # fmt: skip
         shaded = hidden_direct(
             space, lamps, eyes(space, eye), chosen, reach, environments=environments, count=lights,
-            frames=frames, warping=0.0 if frames is None else magnitude,
+            rays=rays or USUAL_RAYS, frames=frames, warping=0.0 if frames is None else magnitude,
         )  # fmt: skip
     shaded = shaded + np.float32(ambient_term(chosen))
     if contrast and frames is not None:

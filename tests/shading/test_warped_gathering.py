@@ -11,7 +11,7 @@ from meshdepict.scales.chosen_samples import ChosenSamples
 from meshdepict.scales.interpolated_scales import InterpolatedSpace
 from meshdepict.scene.environment import Environment
 from meshdepict.scene.light import Light
-from meshdepict.scene.material import Lambert, Mirror, Phong
+from meshdepict.scene.material import CookTorrance, Lambert, Phong, Refractive
 from meshdepict.scene.names import as_view
 from meshdepict.scene.view import View
 from meshdepict.shading.features import Frames, features
@@ -324,7 +324,7 @@ def test_pixels_have_shadows_but_no_warped_rays(torus):
 @pytest.mark.parametrize(
     ("options", "sentence"),
     [
-        ({"material": Mirror()}, "Mirror shows no lights that could cast shadows"),
+        ({"material": Refractive()}, "Refractive shows no lights that could cast shadows"),
         ({"illumination": "occlusion"}, "illumination='occlusion' has light from all around"),
         ({"quadrature": "directions"}, "quadrature='directions' looks up an environment that"),
     ],
@@ -333,6 +333,32 @@ def test_what_has_no_shadows_and_no_bounces(space, options, sentence):
     for asked in ({"shadows": True}, {"bounces": 1}):
         with pytest.raises(MeshdepictError, match=sentence):
             light_warping(space, white(), **options, **asked)
+
+
+def test_a_mirror_shows_the_surface_along_warped_rays(space, sphere):
+    options = {"material": "mirror", "exposure": 0.5}
+    bouncing = {"shadows": True, "bounces": 2}
+    ball = md.scale_space(sphere, scales=1)
+    plain = light_warping(ball, soft_sky(), **options)
+    np.testing.assert_allclose(
+        light_warping(ball, soft_sky(), **options, **bouncing), plain, atol=1e-5
+    )
+    shown = light_warping(space, soft_sky(), magnitude=0, **options, **bouncing)
+    same = shading.radiance_scaling(space, soft_sky(), magnitude=0, **options, **bouncing)
+    np.testing.assert_array_equal(shown, same)
+    warped = light_warping(space, soft_sky(), **options, **bouncing)
+    assert np.abs(warped - light_warping(space, soft_sky(), **options)).max() > 0.02
+    assert np.abs(warped - shown).max() > 0.02
+
+
+def test_highlights_of_a_sky_are_hidden_where_it_is(space):
+    eye = View((0, -4, 3), (0, 0, 0), (0, 1, 0), parallel_scale=1.3)
+    gloss = {"material": CookTorrance(0, 0.5, 0.3), "view": eye}
+    plain = light_warping(space, soft_sky(), **gloss)
+    hidden = light_warping(space, soft_sky(), shadows=True, **gloss)
+    assert (hidden <= plain + 0.02).all()
+    closed = space.occlusion(64) < 0.7
+    assert hidden[closed].mean() < 0.9 * plain[closed].mean()
 
 
 def test_a_number_of_rays_that_none_has_is_refused(space):
