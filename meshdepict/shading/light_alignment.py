@@ -31,6 +31,7 @@ from meshdepict.shading.direct import kernel_parameters
 from meshdepict.shading.features import LightCount, Parameter, eyes, sight
 from meshdepict.shading.lobes import aligned_lobes, needs_samples
 from meshdepict.shading.method import Exposure, exposed, method, require_smoothing
+from meshdepict.shading.reached import USUAL_RAYS
 from meshdepict.shading.seen_through import background_light, transmitted_guides
 from meshdepict.shading.transmission import rough_transmission
 
@@ -138,6 +139,8 @@ def _reads(
     specular_strength: float | Sequence[float],
     transmitted: float,
     transmitted_strength: float | Sequence[float],
+    background: float,
+    interfaces: int,
     **_: Any,
 ) -> Reads:
     """Return the shape's own normals, and both of every pair of scales that turns light."""
@@ -146,7 +149,8 @@ def _reads(
         strengths.append(per_scale(last, specular_strength, "specular_strength"))
     if last and transmitted > 0:
         strengths.append(per_scale(last, transmitted_strength, "transmitted_strength"))
-    return Reads(normals=frozenset(aligned_scales(*strengths)))
+    within = interfaces == 2 and bool(transmitted or background)
+    return Reads(normals=frozenset(aligned_scales(*strengths)), rays=USUAL_RAYS if within else 0)
 
 
 def aligned_scales(*strengths: NDArray[Any]) -> list[int]:
@@ -198,6 +202,10 @@ def light_alignment(
         float,
         Range(0, 1e6, help="weight of what shows through: the environment, or white", soft=(0, 1)),
     ] = 0.0,
+    interfaces: Annotated[
+        int,
+        Range(1, 2, help="light comes through the surface alone, or through the body, by two"),
+    ] = 1,
     lights: LightCount = 54,
     exposure: Exposure = 1.0,
 ) -> NDArray[np.float32]:
@@ -232,6 +240,11 @@ def light_alignment(
     background : float
         Weight of the background seen through the surface by the same index and roughness (fig. 8):
         an Environment's radiance, or white behind lights of other kinds. It has no light to align.
+    interfaces : {1, 2}
+        1: what is seen through the surface is lit as if glass went on for ever. 2: rays go through
+        the body, are refracted or mirrored at up to four walls within, and see lights and the
+        background outside; light is aligned with the guides of 1, turned to where rays leave.
+        Where the mesh is open and a ray finds no wall it leaves as it goes, and meets no light.
 
     Raises
     ------
@@ -258,8 +271,9 @@ def light_alignment(
         for each in (diffuse_strength, glossy_strength, clear_strength)
     )
     terms = _terms(
-        normals, eyes(space, eye), surface, transmitted=transmitted, refraction=refraction,
-        frosting=frosting, sharpness=sharpness, diffuse_strength=diffuse_strength,
+        normals, eyes(space, eye), surface, transmitted=transmitted if interfaces == 1 else 0.0,
+        refraction=refraction, frosting=frosting, sharpness=sharpness,
+        diffuse_strength=diffuse_strength,
         specular_strength=glossy_strength, transmitted_strength=clear_strength,
     )  # fmt: skip
     total = np.full((space.count, 1), ambient_term(surface), np.float32)
@@ -280,7 +294,17 @@ def light_alignment(
             normals, eyes(space, eye), environment, kind, parameters,
             count=lights, sharpness=sharpness, strengths=glossy_strength,
         )  # fmt: skip
-    if background:
+    if interfaces == 2 and (transmitted or background):
+        from meshdepict.shading.aligned_glass import aligned_glass
+
+        lamps = [*lamps, *(lamp for sky in environments for lamp in sky.lights(lights))]
+        towards = visible_eye(normals[0], eyes(space, eye))
+        total = total + aligned_glass(
+            space, normals, towards, lamps, environments, transmitted=transmitted,
+            background=background, refraction=refraction, frosting=frosting, sharpness=sharpness,
+            strengths=clear_strength,
+        )  # fmt: skip
+    elif background:
         own = normals[0]
         for sky in environments or (None,):
             total = total + np.float32(background) * background_light(
