@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
     from meshdepict import congruence, curvature, shading
     from meshdepict.baking.baked import Baked
-    from meshdepict.baking.look import bake, bake_volume
+    from meshdepict.baking.look import bake, bake_together, bake_volume
     from meshdepict.baking.method_list import methods
     from meshdepict.baking.plates import plate
     from meshdepict.baking.recipe import load_recipe, save_recipe
@@ -34,6 +34,7 @@ if TYPE_CHECKING:
     from meshdepict.shading.method import method
     from meshdepict.shapes import samples
     from meshdepict.shapes.gbuffer import GBuffer
+    from meshdepict.shapes.ground_plane import ground_under
     from meshdepict.shapes.height_field import HeightField
     from meshdepict.shapes.mesh import Mesh
     from meshdepict.shapes.volume import Volume
@@ -53,10 +54,12 @@ __all__ = [
     "View",
     "Volume",
     "bake",
+    "bake_together",
     "bake_volume",
     "compare",
     "congruence",
     "curvature",
+    "ground_under",
     "load_recipe",
     "method",
     "methods",
@@ -87,8 +90,10 @@ _HOME = {
     "View": "scene.view",
     "Volume": "shapes.volume",
     "bake": "baking.look",
+    "bake_together": "baking.look",
     "bake_volume": "baking.look",
     "compare": "congruence.comparison",
+    "ground_under": "shapes.ground_plane",
     "load_recipe": "baking.recipe",
     "method": "shading.method",
     "methods": "baking.method_list",

@@ -49,9 +49,14 @@ def _choice(
     *,
     group: str = "Look",
     only: tuple[str, ...] = (),
+    alone: str = "",
 ) -> Any:
-    """Declare a choice: what it is for, where help lists it, and which kinds alone have it."""
-    return field(default=default, metadata={"help": help, "group": group, "only": only})
+    """Declare a choice: what it is for, where help lists it, and which kinds alone have it.
+
+    ``alone`` is what its word on the command line stands for without a value.
+    """
+    about = {"help": help, "group": group, "only": only, "alone": alone}
+    return field(default=default, metadata=about)
 
 
 @dataclass(frozen=True, init=False, eq=False)
@@ -102,6 +107,9 @@ class ChoiceList:
         Split the triangles inside which interpolated colours are off by more than so many of 255
         grey levels, until they are not (five times at most); see `Baked.edge_error`. New vertices
         come after the old ones.
+    ground : {"matt"}, optional
+        A level ground under a mesh, which catches its shadows and sends light up; see
+        `ground_under`. Pictures show it.
     two_sided : bool
         Shade the side that the view sees, also where faces look away from it.
     z_factor : float
@@ -206,6 +214,13 @@ class ChoiceList:
     )
     albedo: Literal["keep", "none"] = _choice(
         "none", "keep: multiply the file's own colours.", group="Files", only=_SURFACES
+    )
+    ground: Literal["matt"] | None = _choice(
+        None,
+        "A level ground under the object, for shadows and bounces, that pictures show: matt, which "
+        "--ground alone means.",
+        only=(MESH,),
+        alone="matt",
     )
     two_sided: bool = _choice(
         False,  # noqa: FBT003

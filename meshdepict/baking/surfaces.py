@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import copy
 import functools
 import os
+import warnings
 from typing import Any
 
 import numpy as np
@@ -17,30 +19,42 @@ from meshdepict.baking.chosen_normals import refuse_other_sides, sides_of, with_
 from meshdepict.baking.clipping import warn_of_clipping
 from meshdepict.baking.layers import shade_layers
 from meshdepict.baking.provenance import describe, was_baked
+from meshdepict.baking.sampling import Place, sampled
 from meshdepict.baking.sheets import warn_of_backs
 from meshdepict.baking.tinting import heights_of, tinted
 from meshdepict.color import colormaps2d
 from meshdepict.errors import MeshdepictError
 from meshdepict.scales.ladder import Progress
-from meshdepict.scales.making import scale_space
 from meshdepict.scales.space import ScaleSpace
 from meshdepict.scene.names import Lighting, as_light
+from meshdepict.shapes.colors import vertex_colors
 from meshdepict.shapes.gbuffer import GBuffer
+from meshdepict.shapes.ground_plane import GroundPlane
 from meshdepict.shapes.height_field import HeightField
 from meshdepict.shapes.mesh import Mesh
 
 __all__ = [
-    "as_mesh", "as_solid", "bake_surface", "own_colors", "refuse_other_scales", "with_choices",
+    "as_mesh", "as_solid", "as_surface", "bake_surface", "own_colors", "refuse_other_scales",
+    "surface_tints", "with_choices",
 ]  # fmt: skip
 
 
-def bake_surface(shape: object, look: Choices, *, progress: Progress | None = None) -> Baked:
+def bake_surface(
+    shape: object,
+    look: Choices,
+    *,
+    place: Place | None = None,
+    progress: Progress | None = None,
+) -> Baked:
     """Shade a mesh or an image; see `bake`.
 
     Parameters
     ----------
     shape : path, Mesh, HeightField, GBuffer, ScaleSpace, pyvista.PolyData or trimesh.Trimesh
     look : Choices
+        Its ground is nobody's business here; see `objects`.
+    place : Place, optional
+        Of a mesh among others.
     progress : callable, optional
         ``progress(done, total)``.
     """
@@ -67,20 +81,24 @@ def bake_surface(shape: object, look: Choices, *, progress: Progress | None = No
                 f"{mesh.z_factor:g} times the ground's; leave it out, or bake the height field"
             )
         look = look.replace(z_factor=mesh.z_factor)
-    own = own_colors(mesh) if look.albedo == "keep" else None
+    own = tints = None
+    if look.albedo == "keep":
+        own = own_colors(mesh)
+        tints = surface_tints(mesh, own)
     look = look.posed(mesh)
-    eye = look.eye(mesh)
+    eye = look.eye(mesh) if place is None else place.eye
     lamp = look.lighting(eye, kind)
     if isinstance(shape, ScaleSpace):
         refuse_other_scales(shape, chosen)
 
     def make(scales: int, ratio: float) -> ScaleSpace:
-        if isinstance(shape, ScaleSpace):
+        if not isinstance(shape, ScaleSpace):
+            return sampled(mesh, look, eye, (scales, ratio), tints=tints, place=place)
+        if tints is None:
             return shape
-        return scale_space(
-            mesh, scales=scales, width=look.width, ratio=ratio, facing=look.facing,
-            tolerance=look.tolerance, view=eye, at_once=(),
-        )  # fmt: skip
+        tinted = copy.copy(shape)  # others go on using that one
+        tinted.tints = tints
+        return tinted
 
     blend = None
     if look.blend is not None:
@@ -91,7 +109,8 @@ def bake_surface(shape: object, look: Choices, *, progress: Progress | None = No
         space = make(scales, ratio)
         space.smooth(look.reads(space.last).sets, progress=progress)
         look = look.settled(space)
-    if space is not shape and not look.two_sided:  # viewers turn what they show
+    level = isinstance(mesh, GroundPlane)  # which many views see edge-on
+    if not (made or look.two_sided or level):  # viewers turn what they show
         warn_of_backs(space.points, space.normals_at(0), eye)
     linear = look.declared.linear
 
@@ -236,10 +255,26 @@ def own_colors(shape: Mesh | GBuffer | HeightField) -> NDArray[np.uint8]:
     return color.encode(shape.sample(linear), linear=True)
 
 
+def surface_tints(
+    shape: Mesh | GBuffer | HeightField, own: NDArray[np.uint8]
+) -> NDArray[np.float32] | None:
+    """Return the own colours (v, 3) of the vertices that light bounces from, in linear light.
+
+    Of a mesh they are those of its samples. None of an image of something that has none.
+    """
+    found: NDArray[np.uint8] | None = own
+    if isinstance(shape, GBuffer):
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # about colours of faces: said where they are shown
+            mesh = shape.mesh
+            found = None if mesh is None else vertex_colors(mesh, baked=was_baked(mesh))
+    if found is None:
+        return None
+    return np.asarray(color.srgb_to_linear(found / np.float32(255)), np.float32)
+
+
 def _mesh_colors(mesh: Mesh) -> NDArray[np.uint8]:
     """Return the mesh's own vertex colours; those a former bake set aside come first."""
-    from meshdepict.shapes.colors import vertex_colors
-
     baked = was_baked(mesh)
     found = vertex_colors(mesh, baked=baked)
     if found is None:

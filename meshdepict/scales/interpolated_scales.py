@@ -59,6 +59,8 @@ class InterpolatedSpace(ScaleSpace):
             source.shape, points, source.widths, source.ratio, own.T,
             facing=source.facing, tolerance=source.tolerance,
         )  # fmt: skip
+        self.tints = source.tints
+        self.company, self.member = source.company, source.member
 
     def typical(self) -> ScaleSpace:
         """Return the samples of the whole."""
@@ -66,8 +68,13 @@ class InterpolatedSpace(ScaleSpace):
 
     @property
     def surface(self) -> Mesh:
-        """The mesh that the samples lie on."""
+        """What rays from the samples can meet."""
         return self.source.surface
+
+    @property
+    def own_surface(self) -> Mesh:
+        """The mesh that the samples lie on."""
+        return self.source.own_surface
 
     @property
     def vertical(self) -> NDArray[np.float64]:

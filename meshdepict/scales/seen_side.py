@@ -53,6 +53,8 @@ class SeenSide(ScaleSpace):
         )  # fmt: skip
         self.at_vertices = source.at_vertices
         self.light_errors = source.light_errors
+        self.tints = source.tints
+        self.company, self.member = source.company, source.member
 
     def typical(self) -> ScaleSpace:
         """Return the samples of the whole."""
@@ -82,6 +84,11 @@ class SeenSide(ScaleSpace):
     def surface(self) -> Mesh:
         """The surface that rays from the samples can meet."""
         return self.source.surface
+
+    @property
+    def own_surface(self) -> Mesh:
+        """The source's."""
+        return self.source.own_surface
 
     @property
     def vertical(self) -> NDArray[np.float64]:

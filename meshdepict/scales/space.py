@@ -5,6 +5,7 @@ The only step that knows what kind of shape it has. Everything after it works on
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -19,9 +20,11 @@ from meshdepict.shapes.table import html_table
 if TYPE_CHECKING:
     from meshdepict.curvature.principal import PrincipalCurvatures
     from meshdepict.curvature.view import ViewCurvature
+    from meshdepict.scales.company import Company
     from meshdepict.scene.light import Light
     from meshdepict.scene.shape import Shape
     from meshdepict.scene.view import View
+    from meshdepict.shapes.mesh import Mesh
     from meshdepict.transport.occlusion import Openness
     from meshdepict.transport.rays import Steps
     from meshdepict.transport.transfer import Transfer
@@ -60,9 +63,17 @@ class ScaleSpace(ReliefSamples):
     light_errors : {int: float}
         By the number of rays, root mean square error in grey levels of the last light that was
         sampled: discs, the sky and bounces.
+    tints : (v, 3) array of float32, optional
+        The own colours of the surface's vertices in linear light, which tint what they send on;
+        None: white.
+    company, member : Company, int
+        What else stands where rays go, and which of them this is of; None where it is alone.
     """
 
     at_vertices = False
+    tints: NDArray[np.float32] | None = None
+    company: Company | None = None
+    member = 0
 
     def __init__(
         self,
@@ -87,6 +98,7 @@ class ScaleSpace(ReliefSamples):
         self._seen: dict[tuple[int, float], tuple[tuple[Any, ...], ViewCurvature]] = {}
         self._openness: dict[int, Openness] = {}
         self._transfers: dict[int, Transfer] = {}
+        self._kept: dict[str, tuple[tuple[Any, ...], Any]] = {}
         self.light_errors: dict[int, float] = {}
 
     @property
@@ -165,6 +177,11 @@ class ScaleSpace(ReliefSamples):
         return {rays: openness.error for rays, openness in self._openness.items()}
 
     @property
+    def own_surface(self) -> Mesh:
+        """The surface that the samples lie on: of `surface`, what rays can meet, a part or all."""
+        return self.surface
+
+    @property
     def vertex_space(self) -> ScaleSpace:
         """Samples at the vertices of the surface that these lie on; themselves if they are those.
 
@@ -177,8 +194,9 @@ class ScaleSpace(ReliefSamples):
             return self
         kind = self.surface.kind  # what has no surface says so
         raise MeshdepictError(
-            f"how light is scaled where it bounces is known at the vertices of a {kind}, which the "
-            f"samples of this {self.shape.kind} are not: shade the mesh itself, or set bounces=0"
+            f"how light from all around is enhanced is known at the vertices of a {kind}, which "
+            f"the samples of this {self.shape.kind} are not: shade the mesh itself, or set "
+            "bounces=0 and give lights in place of an environment"
         )
 
     def transport(self, rays: int = 64) -> Transfer:
@@ -191,13 +209,44 @@ class ScaleSpace(ReliefSamples):
         MeshdepictError
             For a number of rays beyond 2 … 65536, and for samples that are no part of a surface.
         """
+        if self.company is not None:
+            return self.company.transport(rays, self.member)
         if rays not in self._transfers:
-            from meshdepict.transport.transfer import traced_transfer
-
-            surface = self.surface
-            normals = self.normals_at(0) if self.at_vertices else surface.normals
-            self._transfers[rays] = traced_transfer(surface, normals=normals, rays=rays)
+            self._transfers[rays] = self.traced(rays)
         return self._transfers[rays]
+
+    def traced(self, rays: int, **how: Any) -> Transfer:
+        """Trace rays from the vertices of the surface, of which they are not kept.
+
+        Parameters
+        ----------
+        rays : int
+        **how
+            ``height`` and ``bend`` of `transport.transfer.traced_transfer`: how they leave.
+
+        Raises
+        ------
+        MeshdepictError
+            As for `transport`.
+        """
+        from meshdepict.transport.transfer import traced_transfer
+
+        if self.company is not None:
+            return self.company.traced(rays, self.member, **how)
+        surface = self.surface
+        normals = self.normals_at(0) if self.at_vertices else surface.normals
+        return traced_transfer(surface, normals=normals, rays=rays, **how)
+
+    def kept(self, name: str, key: tuple[Any, ...], find: Callable[[], Any]) -> Any:
+        """Return what a method found here before, or finds anew where its key is another.
+
+        Of every name the last is kept, and the key is all that it depends on beside the samples.
+        """
+        former, found = self._kept.get(name, (None, None))
+        if former != key:
+            found = find()
+            self._kept[name] = key, found
+        return found
 
     def seen_share(
         self,

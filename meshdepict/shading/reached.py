@@ -5,8 +5,9 @@ options, `reached` what it asks for. With all of them off nothing is traced.
 
 Shadows hide each light by V, the share of it that a sample sees. Light bounces between matt
 surfaces: E_k = E_0 + T ρ E_{k−1}, E_0 what lights and the sky give directly, in which ρ is what the
-method's material reflects diffusely. Bounces without shadows let every light through to where it
-falls first, as without them; from there on surfaces are in each other's way as they are.
+method's material reflects diffusely, times the colours of the surface where they are kept. Bounces
+without shadows let every light through to where it falls first, as without them; from there on
+surfaces are in each other's way as they are.
 """
 
 from __future__ import annotations
@@ -17,10 +18,12 @@ from typing import Annotated, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from meshdepict.color.srgb import linear_to_srgb, srgb_to_linear
 from meshdepict.options import Flag, Range
 from meshdepict.scales.space import ScaleSpace
 from meshdepict.scene.environment import Environment
 from meshdepict.scene.light import Light
+from meshdepict.shading.company_light import sent_together
 from meshdepict.shading.gathering import PLAIN, Gathering, Gathers, fallen
 from meshdepict.transport.radiosity import bounced
 from meshdepict.transport.rays import AGAIN, MOST_RAYS, probed
@@ -63,7 +66,8 @@ class Reached(NamedTuple):
     around : (n,) or (n, 3) array, optional
         E_k − E_0 of the lights: from the sky and by bounces, in units of a cosine. None: nothing.
     sent : (v,) or (v, 3) array, optional
-        B_{k−1} of the vertices of the surface, which the last bounce brought. None: no bounce.
+        B_{k−1} of the vertices of the surface, of all objects that stand together, which the last
+        bounce brought. None: no bounce.
     """
 
     seen: Shares
@@ -102,17 +106,21 @@ def reached(
     shadows, bounces, rays
         The options of these names.
     albedo : float
-        What matt surfaces send on.
+        What matt surfaces send on, times the space's ``tints`` where it has any.
     shown : callable
         What the method displays, in [0, 1], where so much light arrives.
     gathering : Gathering
         What the method makes of light at the vertices of the surface: ``around`` is gathered so.
+        Where nothing comes around, at the samples: only the error is told by it then.
 
     Raises
     ------
     MeshdepictError
         For samples that are no part of a surface.
     """
+    inside = gathering if gathering.everywhere else PLAIN  # for what is sent on
+    if space.company is not None:
+        space.company.hear(space, albedo, inside)
     seen: Shares = (None,) * len(lights)
     if not (shadows or bounces):
         return Reached(seen)
@@ -123,21 +131,23 @@ def reached(
         if soft:
             places = space.surface.recentred(space.points), space.normals_at(0)
             chosen = probed(len(space.points))
-            once = fallen(PLAIN, places[1], lights, seen)[chosen]
-            at = places[0][chosen], places[1][chosen]
+            own, at = gathering.at(chosen), (places[0][chosen], places[1][chosen])
+            seen_once: Shares = tuple(one if one is None else one[chosen] for one in seen)
             seen_again = tuple(
                 space.seen_share(each, rays=rays, at=at, steps=AGAIN) for each in lights
             )
-            _record(space, rays, shown(once), shown(fallen(PLAIN, at[1], lights, seen_again)))
+            _record(
+                space, rays, shown(fallen(own, at[1], lights, seen_once)),
+                shown(fallen(own, at[1], lights, seen_again)),
+            )  # fmt: skip
         return Reached(seen)
 
-    transfer = space.transport(rays)
+    transfer = gathering.traced(space, rays)
     at = transfer.points, transfer.normals
     falling = seen
     if shadows and not space.at_vertices:
         falling = tuple(space.seen_share(light, rays=rays, at=at) for light in lights)
-    inside = gathering if gathering.everywhere else PLAIN  # for what is sent on
-    first, inner = gathering.along(transfer), inside.along(transfer)
+    first = gathering.along(transfer)
     from meshdepict.transport.sky_cells import parted_sky
 
     parts = [parted_sky(environment) for environment in environments]
@@ -147,9 +157,21 @@ def reached(
     around = added(_sky(first, skies), shone)
     sent: Single | None = None
     if bounces:
-        start = added(fallen(inside, at[1], lights, falling), _sky(inner, skies))
-        start = added(start, fallen(inside, at[1], lamps, lit))
-        _, sent = bounced(inner, start, albedo=albedo, bounces=bounces)
+
+        def start(one: Gathering, inner: Gathers, normals: Any, *shares: Sequence[Any]) -> Single:
+            direct = added(fallen(one, normals, lights, shares[0]), _sky(inner, skies))
+            return added(direct, fallen(one, normals, lamps, shares[1]))
+
+        if space.company is None:
+            inner = inside.along(transfer if inside is gathering else inside.traced(space, rays))
+            light = start(inside, inner, at[1], falling, lit)
+            reflected = albedo if space.tints is None else np.float32(albedo) * space.tints
+            _, sent = bounced(inner, light, albedo=reflected, bounces=bounces)
+        else:
+            sent = sent_together(
+                space.company, lights, skies, lamps,
+                shadows=shadows, bounces=bounces, rays=rays, start=start,
+            )  # fmt: skip
         around = added(around, first.from_surface(sent))
     if probes := transfer.probes:
         chosen = probes.chosen
@@ -165,11 +187,13 @@ def reached(
         again = added(_sky(second, skies), shone[chosen])
         if sent is not None:
             again = added(again, second.from_surface(sent))
-        _record(
-            space, rays,
-            shown(added(fallen(own, places[1], lights, known), around[chosen])),
-            shown(added(fallen(own, places[1], lights, others), again)),
-        )  # fmt: skip
+        values, again = (
+            shown(added(fallen(own, places[1], lights, shares), rest))
+            for shares, rest in ((known, around[chosen]), (others, again))
+        )
+        if sent is not None and space.tints is not None:
+            values, again = (_tinted(each, space.tints[chosen]) for each in (values, again))
+        _record(space, rays, values, again)
     return Reached(seen, space.of_vertices(around).astype(np.float32), sent)
 
 
@@ -187,6 +211,12 @@ def added(one: Single, other: Single) -> Single:
     if one.ndim == other.ndim:
         return one + other
     return one + other[:, None] if one.ndim == 2 else one[:, None] + other
+
+
+def _tinted(shown: NDArray[Any], tints: Single) -> NDArray[Any]:
+    """Return what is displayed (k,) or (k, 3) on surfaces of a colour, as it is shown at last."""
+    light = srgb_to_linear(shown)
+    return np.asarray(linear_to_srgb((light if light.ndim == 2 else light[:, None]) * tints))
 
 
 def _record(space: ScaleSpace, rays: int, values: NDArray[Any], again: NDArray[Any]) -> None:
