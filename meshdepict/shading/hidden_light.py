@@ -119,18 +119,23 @@ def _shown(material: Material, facing: NDArray[np.float64]) -> NDArray[np.float6
     return np.asarray(2 * _WEIGHTS @ terms)
 
 
-def refuse_unhidden(material: Material, illumination: str) -> None:
+def refuse_unhidden(material: Material, illumination: str, *, shadows: bool) -> None:
     """Refuse shadows and bounces of what is no light.
 
     Raises
     ------
     MeshdepictError
-        For a painted material, and for precomputed light.
+        For a painted material, for shadows of a transparent one, and for precomputed light.
     """
-    if isinstance(material, (LitSphere, Refractive)):
+    if isinstance(material, LitSphere):
         raise MeshdepictError(
             f"{type(material).__name__} shows no lights that could cast shadows or bounce: leave "
             "shadows and bounces out"
+        )
+    if shadows and isinstance(material, Refractive):
+        raise MeshdepictError(
+            "Refractive lets light through and casts no shadow: leave shadows out, and say by "
+            "bounces how many walls light meets within"
         )
     if illumination != "lights":
         raise MeshdepictError(

@@ -81,7 +81,7 @@ def _reads(
     """Return the shape's own normals, with what bends light, and rays if they are wanted."""
     hidden = ray_count(shadows=shadows, bounces=bounces, rays=rays or USUAL_RAYS)
     if isinstance(shown := as_material(material), (Mirror, Refractive)):  # a smooth one has one ray
-        rough = isinstance(shown, Mirror) and (roughness or shown.roughness)
+        rough = roughness or shown.roughness
         hidden = int(shadows or bounces > 0) * ((rays or USUAL_RAYS) if rough else 1)
     gathered = (rays or _OPENNESS_RAYS) if illumination == "occlusion" else hidden
     own = Reads(normals=frozenset((0,)), rays=gathered)
@@ -208,7 +208,7 @@ def light_warping(
             "radiance_scaling takes it"
         )
     if shadows or bounces:
-        refuse_unhidden(material, illumination)
+        refuse_unhidden(material, illumination, shadows=shadows)
         if quadrature == "directions":
             raise MeshdepictError(
                 "quadrature='directions' looks up an environment that nothing hides: leave it out, "

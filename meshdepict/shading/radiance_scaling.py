@@ -81,7 +81,7 @@ def _reads(
     hidden = ray_count(shadows=shadows, bounces=bounces, rays=rays or USUAL_RAYS)
     gathered = {"occlusion": rays or 256, "irradiance": rays}.get(illumination, hidden)
     if not lit:  # a smooth mirror has one ray, a painting none
-        rough = isinstance(shown, Mirror) and (roughness or shown.roughness)
+        rough = isinstance(shown, (Mirror, Refractive)) and (roughness or shown.roughness)
         gathered = 0 if isinstance(shown, LitSphere) else int(shadows or bounces > 0)
         gathered *= (rays or USUAL_RAYS) if rough else 1
     own = Reads(normals=frozenset((0,)), rays=gathered)
@@ -210,7 +210,7 @@ def radiance_scaling(
         ray by ray, δ = n·d, by κ without its anisotropy; the ambient term neither is hidden nor
         bounces. Highlights, too, are of what rays meet: the sky or the surface. A mirror shows the
         surface: mirrored as often as bounces says, then the environment, or nothing where shadows
-        hide that.
+        hide that. A refractive body lets light out by up to so many walls within.
     enhance : {"first", "all"}
         "all" is the paper's fig. 11, of the surface's own curvature. Where albedo times scaling is
         above 1 light grows from bounce to bounce: the sum of so many bounces is finite still, and
@@ -230,7 +230,7 @@ def radiance_scaling(
         bounces of what has none.
     """
     if shadows or bounces:
-        refuse_unhidden(as_material(material), illumination)
+        refuse_unhidden(as_material(material), illumination, shadows=shadows)
         if enhance == "all" and curvature != "object":
             raise MeshdepictError(
                 f"enhance='all' is of the surface's own curvature: leave curvature={curvature!r} "
