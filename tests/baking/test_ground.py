@@ -167,7 +167,7 @@ def test_the_built_in_golf_ball_stands_on_it_too(run, folder):
 
 
 def test_what_has_no_ground_says_so(run, ball_ply):
-    with pytest.raises(MeshdepictError, match="ground='wet' is neither 'matt' nor None"):
+    with pytest.raises(MeshdepictError, match="ground='wet' is neither 'matt' nor 'mirror'"):
         md.bake(ball_ply, ground="wet")
     with pytest.raises(MeshdepictError, match="ground is about a mesh, and this is a volume"):
         md.bake_volume(ct_phantom(size=(8, 8, 8)), ground="matt")
