@@ -98,14 +98,18 @@ class Company:
 
     def transport(self, rays: int, member: int) -> Transfer:
         """Return where rays from the vertices of an object go; traced once."""
+        if (rays, member) not in self._transfers:
+            self._transfers[rays, member] = self.traced(rays, member)
+        return self._transfers[rays, member]
+
+    def traced(self, rays: int, member: int, **how: Any) -> Transfer:
+        """Trace rays from the vertices of an object; see `ScaleSpace.traced`."""
         from meshdepict.transport.transfer import traced_transfer
 
-        if (rays, member) not in self._transfers:
-            self._transfers[rays, member] = traced_transfer(
-                self.surface, normals=np.concatenate(self._normals), rays=rays,
-                part=self.surface.parts[member],
-            )  # fmt: skip
-        return self._transfers[rays, member]
+        return traced_transfer(
+            self.surface, normals=np.concatenate(self._normals), rays=rays,
+            part=self.surface.parts[member], **how,
+        )  # fmt: skip
 
     def once(self, key: Any, find: Callable[[], Any]) -> Any:
         """Return what was found for a key, or find it; of the last key it is kept."""

@@ -5,6 +5,7 @@ The only step that knows what kind of shape it has. Everything after it works on
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -97,6 +98,7 @@ class ScaleSpace(ReliefSamples):
         self._seen: dict[tuple[int, float], tuple[tuple[Any, ...], ViewCurvature]] = {}
         self._openness: dict[int, Openness] = {}
         self._transfers: dict[int, Transfer] = {}
+        self._kept: dict[str, tuple[tuple[Any, ...], Any]] = {}
         self.light_errors: dict[int, float] = {}
 
     @property
@@ -192,8 +194,9 @@ class ScaleSpace(ReliefSamples):
             return self
         kind = self.surface.kind  # what has no surface says so
         raise MeshdepictError(
-            f"how light is scaled where it bounces is known at the vertices of a {kind}, which the "
-            f"samples of this {self.shape.kind} are not: shade the mesh itself, or set bounces=0"
+            f"how light from all around is enhanced is known at the vertices of a {kind}, which "
+            f"the samples of this {self.shape.kind} are not: shade the mesh itself, or set "
+            "bounces=0 and give lights in place of an environment"
         )
 
     def transport(self, rays: int = 64) -> Transfer:
@@ -209,12 +212,41 @@ class ScaleSpace(ReliefSamples):
         if self.company is not None:
             return self.company.transport(rays, self.member)
         if rays not in self._transfers:
-            from meshdepict.transport.transfer import traced_transfer
-
-            surface = self.surface
-            normals = self.normals_at(0) if self.at_vertices else surface.normals
-            self._transfers[rays] = traced_transfer(surface, normals=normals, rays=rays)
+            self._transfers[rays] = self.traced(rays)
         return self._transfers[rays]
+
+    def traced(self, rays: int, **how: Any) -> Transfer:
+        """Trace rays from the vertices of the surface, of which they are not kept.
+
+        Parameters
+        ----------
+        rays : int
+        **how
+            ``height`` and ``bend`` of `transport.transfer.traced_transfer`: how they leave.
+
+        Raises
+        ------
+        MeshdepictError
+            As for `transport`.
+        """
+        from meshdepict.transport.transfer import traced_transfer
+
+        if self.company is not None:
+            return self.company.traced(rays, self.member, **how)
+        surface = self.surface
+        normals = self.normals_at(0) if self.at_vertices else surface.normals
+        return traced_transfer(surface, normals=normals, rays=rays, **how)
+
+    def kept(self, name: str, key: tuple[Any, ...], find: Callable[[], Any]) -> Any:
+        """Return what a method found here before, or finds anew where its key is another.
+
+        Of every name the last is kept, and the key is all that it depends on beside the samples.
+        """
+        former, found = self._kept.get(name, (None, None))
+        if former != key:
+            found = find()
+            self._kept[name] = key, found
+        return found
 
     def seen_share(
         self,

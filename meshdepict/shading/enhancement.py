@@ -11,6 +11,7 @@ from meshdepict.shading.gathering import PLAIN
 from meshdepict.shading.scaling_equation import scaling
 
 if TYPE_CHECKING:
+    from meshdepict.scales.space import ScaleSpace
     from meshdepict.scene.light import Light
     from meshdepict.shading.scaled_transfer import ScaledTransfer
     from meshdepict.transport.transfer import Transfer
@@ -49,6 +50,10 @@ class Enhancement(NamedTuple):
         """Return ⟨n·l⟩, scaled."""
         plainly = PLAIN.falls(normals, light)
         return plainly * self.factor(plainly)
+
+    def traced(self, space: ScaleSpace, rays: int) -> Transfer:
+        """Return the space's own rays."""
+        return space.transport(rays)
 
     def along(self, transfer: Transfer, *, again: bool = False) -> ScaledTransfer:
         """Return what scales each ray."""

@@ -111,6 +111,7 @@ def reached(
         What the method displays, in [0, 1], where so much light arrives.
     gathering : Gathering
         What the method makes of light at the vertices of the surface: ``around`` is gathered so.
+        Where nothing comes around, at the samples: only the error is told by it then.
 
     Raises
     ------
@@ -130,15 +131,18 @@ def reached(
         if soft:
             places = space.surface.recentred(space.points), space.normals_at(0)
             chosen = probed(len(space.points))
-            once = fallen(PLAIN, places[1], lights, seen)[chosen]
-            at = places[0][chosen], places[1][chosen]
+            own, at = gathering.at(chosen), (places[0][chosen], places[1][chosen])
+            seen_once: Shares = tuple(one if one is None else one[chosen] for one in seen)
             seen_again = tuple(
                 space.seen_share(each, rays=rays, at=at, steps=AGAIN) for each in lights
             )
-            _record(space, rays, shown(once), shown(fallen(PLAIN, at[1], lights, seen_again)))
+            _record(
+                space, rays, shown(fallen(own, at[1], lights, seen_once)),
+                shown(fallen(own, at[1], lights, seen_again)),
+            )  # fmt: skip
         return Reached(seen)
 
-    transfer = space.transport(rays)
+    transfer = gathering.traced(space, rays)
     at = transfer.points, transfer.normals
     falling = seen
     if shadows and not space.at_vertices:
@@ -159,7 +163,7 @@ def reached(
             return added(direct, fallen(one, normals, lamps, shares[1]))
 
         if space.company is None:
-            inner = inside.along(transfer)
+            inner = inside.along(transfer if inside is gathering else inside.traced(space, rays))
             light = start(inside, inner, at[1], falling, lit)
             reflected = albedo if space.tints is None else np.float32(albedo) * space.tints
             _, sent = bounced(inner, light, albedo=reflected, bounces=bounces)

@@ -35,6 +35,7 @@ __all__ = [
     "Steps",
     "checked_rays",
     "cosine_weighted",
+    "half_even",
     "lifted",
     "probed",
     "ray_scene",
@@ -106,7 +107,14 @@ class RaySet:
         self._cos, self._sin = np.cos(angle).astype(np.float32), np.sin(angle).astype(np.float32)
 
     def leaving(
-        self, points: Floats, lifts: Floats, axes: Floats, steps: Steps, *, ahead: bool = False
+        self,
+        points: Floats,
+        lifts: Floats,
+        axes: Floats,
+        steps: Steps,
+        *,
+        ahead: bool = False,
+        bend: Callable[[Single], None] | None = None,
     ) -> Bundle:
         """Return the rays from points a little above a surface.
 
@@ -121,6 +129,8 @@ class RaySet:
         ahead : bool
             Whether rays also begin a little further on: from a point within another part's face,
             as at the foot of what stands on a table, that is on the side to which they go.
+        bend : callable, optional
+            Turns directions (n, rays, 3), in place, before rays leave along them.
         """
         turn, shift = (np.floor(points * _GRID) @ steps.T % 1).T.astype(np.float32)
         frame = _frames(axes, turn)
@@ -131,6 +141,8 @@ class RaySet:
         for axis in range(3):  # rather than over (…, 3) at once, which takes twice as long
             x, y, z = (v[:, axis, None] for v in frame)
             directions[..., axis] = local[0] * x + local[1] * y + local[2] * z
+        if bend is not None:
+            bend(directions)
         starts = (points + _OFFSET * lifts).astype(np.float32)
         origins = np.repeat(starts, self.rays, axis=0)
         if ahead:
@@ -141,6 +153,14 @@ class RaySet:
 def cosine_weighted(share: Floats) -> Floats:
     """Return heights of directions that are as dense as light from them counts."""
     return np.sqrt(1 - share)
+
+
+def half_even(share: Floats) -> Floats:
+    """Return heights u of directions of which half are cosine-weighted, and half evenly spread.
+
+    Above u are (1 − u²)/2 + (1 − u)/2 of them: u² + u = 2 (1 − share).
+    """
+    return (np.sqrt(9 - 8 * share) - 1) / 2
 
 
 def ray_scene(mesh: Mesh) -> EmbreeScene:

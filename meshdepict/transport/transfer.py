@@ -1,7 +1,7 @@
 """Light from surface to surface and from the sky, as rays that are traced once.
 
-R cosine-weighted rays leave each sample. What they meet is kept, so that any light that goes from
-sample to sample, and any sky, costs a sum and no ray:
+R rays leave each sample, cosine-weighted mostly. What they meet is kept, so that any light that
+goes from sample to sample, and any sky, costs a sum and no ray:
 
     (T B)_i = (1/R) Σ_hits Σ_corners w B_corner        S_i = (1/R) Σ_misses L(d)
 
@@ -15,6 +15,7 @@ its sides are real, and alike.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -39,8 +40,6 @@ from meshdepict.transport.rays import (
 from meshdepict.transport.sky_cells import cell, sky_colors
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from meshdepict.scene.environment import Environment
     from meshdepict.shapes.mesh import Mesh
 
@@ -48,9 +47,12 @@ __all__ = ["Probes", "Transfer", "traced_transfer"]
 
 Floats = NDArray[np.float64]
 Single = NDArray[np.float32]
+Bend = Callable[[Single, NDArray[np.int64]], None]
 
 _WEIGHTS = 65_535  # of a barycentric coordinate of 1
 _A_HIT = 8  # bytes
+_ANY = np.float32(-2)  # cosine that every ray's to the normal is above
+_HORIZON = np.float32(0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -163,6 +165,8 @@ def traced_transfer(
     normals: NDArray[Any] | None = None,
     rays: int = 64,
     part: slice = slice(None),
+    height: Callable[[Floats], Floats] = cosine_weighted,
+    bend: Bend | None = None,
     done: Callable[[int], None] | None = None,
 ) -> Transfer:
     """Trace the rays from the vertices of a mesh, and of a thousand of them once more.
@@ -173,9 +177,16 @@ def traced_transfer(
     normals : (n, 3) array, optional
         Unit, of its vertices, in place of its own.
     rays : int
-        Per vertex, 2 … 65536, cosine-weighted.
+        Per vertex, 2 … 65536.
     part : slice
         Of which vertices; all unless given.
+    height : callable
+        How dense they are; see `rays.RaySet`. Whoever takes another than `cosine_weighted` has to
+        weigh what they bring.
+    bend : callable, optional
+        Turns the directions (k, rays, 3) of the samples of some numbers (k,), in place, before rays
+        leave along them. What goes below the horizon of the normal then counts for nothing: it
+        brings no light, and is among the rays.
     done : callable, optional
         Called with the number of a finished batch.
 
@@ -196,10 +207,14 @@ def traced_transfer(
     points, lifts = mesh.unit_points[part], lifted(mesh.unit_points, where)[part]
     where = where[part]
     chosen = probed(len(points))
-    second = _traced(mesh, points[chosen], where[chosen], lifts[chosen], count, AGAIN)
+    second = _traced(
+        mesh, points[chosen], where[chosen], lifts[chosen], RaySet(count, height), AGAIN,
+        bend=None if bend is None else lambda d, here: bend(d, chosen[here]),
+    )  # fmt: skip
     return _traced(
-        mesh, points, where, lifts, count, FIRST, probes=Probes(chosen, second), done=done
-    )
+        mesh, points, where, lifts, RaySet(count, height), FIRST, bend=bend,
+        probes=Probes(chosen, second), done=done,
+    )  # fmt: skip
 
 
 def _traced(
@@ -207,13 +222,14 @@ def _traced(
     points: Floats,
     normals: NDArray[Any],
     lifts: Floats,
-    rays: int,
+    ray_set: RaySet,
     steps: Steps,
     *,
+    bend: Bend | None,
     probes: Probes | None = None,
     done: Callable[[int], None] | None = None,
 ) -> Transfer:
-    scene, ray_set = ray_scene(mesh), RaySet(rays, cosine_weighted)
+    scene, rays = ray_scene(mesh), ray_set.rays
     outward = mesh.outward_faces
     a, b, c = (mesh.unit_points[corner] for corner in outward.T)
     facing = np.cross(b - a, c - a)
@@ -229,15 +245,18 @@ def _traced(
     def work(number: int, begin: int, end: int) -> None:
         here = slice(begin, end)
         axes = np.asarray(normals[here], np.float64)
-        bundle = ray_set.leaving(points[here], lifts[here], axes, steps, ahead=True)
+        bundle = ray_set.leaving(
+            points[here], lifts[here], axes, steps, ahead=True,
+            bend=None if bend is None else lambda d: bend(d, np.arange(begin, end)),
+        )  # fmt: skip
         met = scene.run(*bundle.flat, query="INTERSECT", output=True)
         size = (end - begin) * rays
         counts = np.zeros((2, end - begin), np.int64)
         triangle, weights = np.empty(size, np.int32), np.empty((size, 2), np.uint16)
         sky = np.empty(size, np.uint16)
         hit, missed = _sorted_out(
-            bundle.directions, met["primID"], met["u"], met["v"], facing, counts, triangle,
-            weights, sky,
+            bundle.directions, axes.astype(np.float32), _ANY if bend is None else _HORIZON,
+            met["primID"], met["u"], met["v"], facing, counts, triangle, weights, sky,
         )  # fmt: skip
         parts[number] = counts, triangle[:hit].copy(), weights[:hit].copy(), sky[:missed].copy()
 
@@ -256,7 +275,9 @@ def _traced(
 
 
 @kernel()
-def _sorted_out(directions, met, u, v, facing, counts, triangle, weights, sky):  # type: ignore[no-untyped-def]
+def _sorted_out(  # type: ignore[no-untyped-def]
+    directions, normals, least, met, u, v, facing, counts, triangle, weights, sky
+):
     """Part the rays of a batch into those that meet a face and those that get away."""
     samples, rays = directions.shape[:2]
     hit = missed = 0
@@ -265,6 +286,8 @@ def _sorted_out(directions, met, u, v, facing, counts, triangle, weights, sky): 
             k = i * rays + j
             f = met[k]
             x, y, z = directions[i, j, 0], directions[i, j, 1], directions[i, j, 2]
+            if x * normals[i, 0] + y * normals[i, 1] + z * normals[i, 2] <= least:
+                continue
             if f < 0:
                 sky[missed] = cell(x, y, z)
                 missed += 1
