@@ -15,9 +15,7 @@ from numpy.typing import NDArray
 
 from meshdepict.threads import kernel
 from meshdepict.transport.paths import farthest
-from meshdepict.transport.rays import _AHEAD as AHEAD
-from meshdepict.transport.rays import _OFFSET as OFFSET
-from meshdepict.transport.rays import ray_scene
+from meshdepict.transport.rays import AHEAD, OFFSET, ray_scene
 from meshdepict.transport.walls import walls_of
 
 if TYPE_CHECKING:

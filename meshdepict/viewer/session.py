@@ -28,6 +28,7 @@ from meshdepict.scene.names import LightsLike, as_lighting, as_view
 from meshdepict.scene.rig import Rig
 from meshdepict.scene.view import View
 from meshdepict.shading.registry import METHODS, find_method
+from meshdepict.shading.sampled import AUTO_RAYS
 from meshdepict.shapes.height_field import HeightField
 from meshdepict.viewer.controls import HEIGHTS, Control, controls, place_option
 from meshdepict.viewer.light_drag import carried, dragged
@@ -360,6 +361,12 @@ class Session:
         chosen = {name: value for name, value in self.options.items() if value is not None}
         return self.look_now().replace(**{**self._follows, **chosen}).settled(self.space)
 
+    def recorded(self) -> Look:
+        """Return what is `settled`, with the number of rays that "auto" came to."""
+        look, known = self.settled(), self.baked().look
+        rays = None if known is None else known.options.get("rays")
+        return look.replace(rays=rays) if look.options.get("rays") == AUTO_RAYS else look
+
     def _bake(self, space: ScaleSpace) -> Baked:
         found = bake(
             space,
@@ -368,6 +375,7 @@ class Session:
             view=self.view,
             up=self.up,
             two_sided=self._asked.two_sided,
+            progress=self.progress,
             **self.settled().options,
         )
         if self.colormap is not None and found.intensity.ndim == 1:  # colours stay as they are
