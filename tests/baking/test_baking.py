@@ -261,7 +261,7 @@ def test_saved_and_read_again_it_is_the_same(small, tmp_path, suffix):
         (
             "lambert",
             {"exaggeration": 3},
-            "no option 'exaggeration' (its options: shadows, bounces, rays, exposure)",
+            "no option 'exaggeration' (its options: shadows, bounces, rays, denoise, exposure)",
         ),
         ("lambert", {"colormap": "seppia"}, "no colour map 'seppia'; did you mean 'sepia'?"),
         ("lambert", {"albedo": "mine"}, "albedo='mine' is neither 'keep' nor 'none'"),
