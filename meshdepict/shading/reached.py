@@ -13,7 +13,7 @@ surfaces are in each other's way as they are.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Annotated, Any, NamedTuple
+from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,6 +28,9 @@ from meshdepict.shading.gathering import PLAIN, Gathering, Gathers, fallen
 from meshdepict.transport.radiosity import bounced
 from meshdepict.transport.rays import AGAIN, MOST_RAYS, probed
 
+if TYPE_CHECKING:
+    from meshdepict.scales.company import Company
+
 __all__ = [
     "USUAL_RAYS",
     "Bounces",
@@ -37,6 +40,7 @@ __all__ = [
     "added",
     "ray_count",
     "reached",
+    "sent_to_all",
 ]
 
 Single = NDArray[np.float32]
@@ -148,30 +152,21 @@ def reached(
     if shadows and not space.at_vertices:
         falling = tuple(space.seen_share(light, rays=rays, at=at) for light in lights)
     first = gathering.along(transfer)
-    from meshdepict.transport.sky_cells import parted_sky
-
-    parts = [parted_sky(environment) for environment in environments]
-    skies, lamps = [sky for sky, _ in parts], [lamp for _, some in parts for lamp in some]
+    skies, lamps = _parted(environments)
     lit = tuple(space.seen_share(lamp, at=at) for lamp in lamps)
     shone = fallen(gathering, at[1], lamps, lit)
     around = added(_sky(first, skies), shone)
     sent: Single | None = None
     if bounces:
-
-        def start(one: Gathering, inner: Gathers, normals: Any, *shares: Sequence[Any]) -> Single:
-            direct = added(fallen(one, normals, lights, shares[0]), _sky(inner, skies))
-            return added(direct, fallen(one, normals, lamps, shares[1]))
-
         if space.company is None:
             inner = inside.along(transfer if inside is gathering else inside.traced(space, rays))
-            light = start(inside, inner, at[1], falling, lit)
+            start = _start(inside, inner, at[1], (lights, falling), skies, (lamps, lit))
             reflected = albedo if space.tints is None else np.float32(albedo) * space.tints
-            _, sent = bounced(inner, light, albedo=reflected, bounces=bounces)
+            _, sent = bounced(inner, start, albedo=reflected, bounces=bounces)
         else:
-            sent = sent_together(
-                space.company, lights, skies, lamps,
-                shadows=shadows, bounces=bounces, rays=rays, start=start,
-            )  # fmt: skip
+            sent = sent_to_all(
+                space.company, lights, environments, shadows=shadows, bounces=bounces, rays=rays
+            )
         around = added(around, first.from_surface(sent))
     if probes := transfer.probes:
         chosen = probes.chosen
@@ -195,6 +190,47 @@ def reached(
             values, again = (_tinted(each, space.tints[chosen]) for each in (values, again))
         _record(space, rays, values, again)
     return Reached(seen, space.of_vertices(around).astype(np.float32), sent)
+
+
+def sent_to_all(
+    company: Company,
+    lights: Sequence[Light],
+    environments: Sequence[Environment],
+    *,
+    shadows: bool,
+    bounces: int,
+    rays: int,
+) -> Single:
+    """Return what the vertices of all objects that stand together send on; see `sent_together`."""
+    skies, lamps = _parted(environments)
+
+    def start(gathering: Gathering, inner: Gathers, normals: Any, *seen: Any) -> Single:
+        return _start(gathering, inner, normals, (lights, seen[0]), skies, (lamps, seen[1]))
+
+    return sent_together(
+        company, lights, skies, lamps, shadows=shadows, bounces=bounces, rays=rays, start=start
+    )
+
+
+def _parted(environments: Sequence[Environment]) -> tuple[list[Environment], list[Light]]:
+    """Return skies, and lights that stand for lamps in them."""
+    from meshdepict.transport.sky_cells import parted_sky
+
+    parts = [parted_sky(environment) for environment in environments]
+    return [sky for sky, _ in parts], [lamp for _, some in parts for lamp in some]
+
+
+def _start(
+    gathering: Gathering,
+    inner: Gathers,
+    normals: NDArray[Any],
+    lights: tuple[Sequence[Light], Sequence[Single | None]],
+    skies: Sequence[Environment],
+    lamps: tuple[Sequence[Light], Sequence[Single | None]],
+) -> Single:
+    """Return E_0 of lights, each as it is seen, of skies, and of the lamps in them."""
+    direct = added(fallen(gathering, normals, *lights), _sky(inner, skies))
+    return added(direct, fallen(gathering, normals, *lamps))
 
 
 def _sky(transfer: Gathers, environments: Sequence[Environment]) -> Single:
