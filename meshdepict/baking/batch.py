@@ -351,7 +351,9 @@ def caption_of(job: Job, baked: Baked, seconds: float) -> str:
     parts = [f"{job.output}: {summary(baked.provenance)}"]
     if baked.look is not None and (text := fitted_text(baked.look)):
         parts.append(text)
-    if error := baked.provenance.get("light error"):
+    if found := baked.provenance.get("rays auto"):
+        parts.append(f"rays auto: {found}")
+    elif error := baked.provenance.get("light error"):
         parts.append(f"light off by {error} (rms)")
     if job.picture:
         parts.append(f"picture {job.picture}")

@@ -17,6 +17,7 @@ from meshdepict.baking.choice_list import LADDER, choice_fields
 from meshdepict.baking.choices import Choices
 from meshdepict.baking.chosen_normals import refuse_other_sides, sides_of, with_chosen_normals
 from meshdepict.baking.clipping import warn_of_clipping
+from meshdepict.baking.discs import warn_of_disc
 from meshdepict.baking.layers import shade_layers
 from meshdepict.baking.provenance import describe, was_baked
 from meshdepict.baking.sampling import Place, sampled
@@ -58,6 +59,22 @@ def bake_surface(
     progress : callable, optional
         ``progress(done, total)``.
     """
+    told: list[ScaleSpace] = []
+    try:
+        return _bake_surface(shape, look, place, progress, told)
+    finally:
+        for space in told:
+            space.progress = None
+
+
+def _bake_surface(
+    shape: object,
+    look: Choices,
+    place: Place | None,
+    progress: Progress | None,
+    told: list[ScaleSpace],
+) -> Baked:
+    """Do what `bake_surface` does; ``told`` are those that know whom to tell how far they are."""
     made = isinstance(shape, ScaleSpace)
     mesh = as_surface(shape.shape if made else shape)  # type: ignore[attr-defined]
     kind = mesh.kind
@@ -92,15 +109,17 @@ def bake_surface(
         refuse_other_scales(shape, chosen)
 
     def make(scales: int, ratio: float) -> ScaleSpace:
-        if not isinstance(shape, ScaleSpace):
-            return sampled(mesh, look, eye, (scales, ratio), tints=tints, place=place)
-        if tints is None:
-            return shape
-        tinted = copy.copy(shape)  # others go on using that one
-        tinted.tints = tints
-        return tinted
+        if isinstance(shape, ScaleSpace):
+            space = shape if tints is None else copy.copy(shape)  # which others go on using
+        else:
+            space = sampled(mesh, look, eye, (scales, ratio), place=place)
+        if tints is not None:
+            space.tints = tints
+        space.progress = progress
+        told.append(space)
+        return space
 
-    blend = None
+    blend, found = None, None
     if look.blend is not None:
         seen = chosen.replace(view=look.view, up=look.up)
         blend = shade_layers(seen, kind, eye, make, progress=progress)
@@ -108,7 +127,11 @@ def bake_surface(
     else:
         space = make(scales, ratio)
         space.smooth(look.reads(space.last).sets, progress=progress)
-        look = look.settled(space)
+        asked = look.settled(space)
+        look = asked.with_rays(space, lamp, eye)
+        found = None if look is asked else space.light_errors.found
+    if not made and blend is None:
+        warn_of_disc(look, lamp)
     level = isinstance(mesh, GroundPlane)  # which many views see edge-on
     if not (made or look.two_sided or level):  # viewers turn what they show
         warn_of_backs(space.points, space.normals_at(0), eye)
@@ -144,6 +167,8 @@ def bake_surface(
     if own is not None:
         colors = color.multiply_albedo(colors / np.float32(255), own, linear=False)
     provenance = describe(look, space, light=lamp)
+    if found is not None:
+        provenance["rays auto"] = str(found)
     if look.refine is not None and isinstance(mesh, Mesh):
         provenance["refined"] = f"to {look.refine:g} grey levels, {len(mesh.faces)} triangles"
     if blend is None:

@@ -12,7 +12,9 @@ from numpy.typing import NDArray
 from meshdepict.shapes.joined import JoinedMesh
 
 if TYPE_CHECKING:
+    from meshdepict.scales.ladder import Progress
     from meshdepict.shapes.mesh import Mesh
+    from meshdepict.transport.retraced import Retraced
     from meshdepict.transport.transfer import Transfer
 
 __all__ = ["Company", "Rehearsed", "Sending"]
@@ -75,7 +77,7 @@ class Company:
         self.mirrors: set[int] = set()
         self._normals: list[NDArray[Any]] = [mesh.normals for mesh in meshes]
         self._listening = False
-        self._transfers: dict[tuple[int, int], Transfer] = {}
+        self._transfers: dict[tuple[int, int], Transfer | Retraced] = {}
         self._kept: tuple[Any, Any] = None, None
 
     @contextmanager
@@ -120,10 +122,17 @@ class Company:
         counts = [len(mesh.faces) for mesh in self.surface.meshes]
         return np.repeat([*known], counts)
 
-    def transport(self, rays: int, member: int) -> Transfer:
-        """Return where rays from the vertices of an object go; traced once."""
+    def transport(
+        self, rays: int, member: int, progress: Progress | None = None
+    ) -> Transfer | Retraced:
+        """Return where rays from the vertices of an object go; see `ScaleSpace.transport`."""
+        from meshdepict.transport.retraced import transfer_of
+
         if (rays, member) not in self._transfers:
-            self._transfers[rays, member] = self.traced(rays, member)
+            self._transfers[rays, member] = transfer_of(
+                self.surface, normals=self.normals, rays=rays, part=self.surface.parts[member],
+                progress=progress,
+            )  # fmt: skip
         return self._transfers[rays, member]
 
     def traced(self, rays: int, member: int, **how: Any) -> Transfer:

@@ -6,7 +6,7 @@ shading: the reference that colours interpolated between vertices are judged by.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -18,8 +18,10 @@ from meshdepict.scales.normal_sets import Fill
 from meshdepict.scales.space import ScaleSpace
 
 if TYPE_CHECKING:
+    from meshdepict.scene.light import Light
     from meshdepict.shapes.mesh import Mesh
     from meshdepict.transport.occlusion import Openness
+    from meshdepict.transport.retraced import Retraced
     from meshdepict.transport.transfer import Transfer
 
 __all__ = ["InterpolatedSpace"]
@@ -90,9 +92,13 @@ class InterpolatedSpace(ScaleSpace):
         """That of the source."""
         return self.source.vertex_space
 
-    def transport(self, rays: int = 64) -> Transfer:
+    def transport(self, rays: int = 64) -> Transfer | Retraced:
         """Return where the rays from the vertices go."""
         return self.source.transport(rays)
+
+    def seen_from_vertices(self, lights: Sequence[Light]) -> tuple[NDArray[np.float32], ...]:
+        """Return what the vertices see, as the source knows."""
+        return self.source.seen_from_vertices(lights)
 
     def _smoother(self) -> Fill:
         def fill(

@@ -12,12 +12,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshdepict.errors import MeshdepictError
-from meshdepict.scales.ladder import FACING, TOLERANCE
+from meshdepict.scales.ladder import FACING, TOLERANCE, Progress
+from meshdepict.scales.light_errors import LightErrors
 from meshdepict.scales.relief_samples import ReliefSamples
+from meshdepict.scales.seen_lights import SeenLights
 from meshdepict.scene.shape import one_of
 from meshdepict.shapes.table import html_table
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from meshdepict.curvature.principal import PrincipalCurvatures
     from meshdepict.curvature.view import ViewCurvature
     from meshdepict.scales.company import Company
@@ -27,6 +31,7 @@ if TYPE_CHECKING:
     from meshdepict.shapes.mesh import Mesh
     from meshdepict.transport.occlusion import Openness
     from meshdepict.transport.rays import Steps
+    from meshdepict.transport.retraced import Retraced
     from meshdepict.transport.transfer import Transfer
 
 __all__ = ["ScaleSpace"]
@@ -60,9 +65,11 @@ class ScaleSpace(ReliefSamples):
         What the sums were made with; see `scale_space`.
     at_vertices : bool
         Whether the samples are the vertices of the surface, in their order.
-    light_errors : {int: float}
+    light_errors : LightErrors
         By the number of rays, root mean square error in grey levels of the last light that was
         sampled: discs, the sky and bounces.
+    progress : callable, optional
+        ``progress(done, total)``, whom rays tell how far they are.
     tints : (v, 3) array of float32, optional
         The own colours of the surface's vertices in linear light, which tint what they send on;
         None: white.
@@ -97,9 +104,14 @@ class ScaleSpace(ReliefSamples):
         self._creases: dict[int, NDArray[np.float32]] = {}
         self._seen: dict[tuple[int, float], tuple[tuple[Any, ...], ViewCurvature]] = {}
         self._openness: dict[int, Openness] = {}
-        self._transfers: dict[int, Transfer] = {}
+        self._transfers: dict[int, Transfer | Retraced] = {}
+        self._lights_seen: list[SeenLights] = []  # one, once it is asked for
+        self._sides_seen: tuple[bytes, dict[int, Transfer | Retraced], list[SeenLights]] | None = (
+            None
+        )
+        self.progress: Progress | None = None
+        self.light_errors = LightErrors()
         self._kept: dict[str, tuple[tuple[Any, ...], Any]] = {}
-        self.light_errors: dict[int, float] = {}
 
     @property
     def points(self) -> NDArray[np.float64]:
@@ -221,10 +233,11 @@ class ScaleSpace(ReliefSamples):
             "bounces=0 and give lights in place of an environment"
         )
 
-    def transport(self, rays: int = 64) -> Transfer:
+    def transport(self, rays: int = 64) -> Transfer | Retraced:
         """Return where rays from the vertices of the surface go; traced once.
 
-        With `bounced` it tells any light that goes from surface to surface.
+        With `bounced` it tells any light that goes from surface to surface. Where the memory that
+        is allowed doesn't hold them, they are traced again for every sum.
 
         Raises
         ------
@@ -232,10 +245,17 @@ class ScaleSpace(ReliefSamples):
             For a number of rays beyond 2 … 65536, and for samples that are no part of a surface.
         """
         if self.company is not None:
-            return self.company.transport(rays, self.member)
+            return self.company.transport(rays, self.member, self.progress)
         if rays not in self._transfers:
-            self._transfers[rays] = self.traced(rays)
-        return self._transfers[rays]
+            from meshdepict.transport.retraced import transfer_of
+
+            self._transfers[rays] = transfer_of(
+                self.surface, normals=self.surface_normals, rays=rays, progress=self.progress
+            )
+        found = self._transfers[rays]
+        if hasattr(found, "progress"):
+            found.progress = self.progress
+        return found
 
     def traced(self, rays: int, **how: Any) -> Transfer:
         """Trace rays from the vertices of the surface, of which they are not kept.
@@ -296,12 +316,27 @@ class ScaleSpace(ReliefSamples):
         from meshdepict.transport.rays import FIRST
         from meshdepict.transport.shadows import seen_share
 
+        if at is None and self.at_vertices and not light.spread:
+            return self.seen_from_vertices([light])[0]
         surface = self.surface
         places = (surface.recentred(self.points), self.normals_at(0)) if at is None else at
         return seen_share(
             surface, light.direction, at=places, spread=light.spread, rays=rays,
             steps=FIRST if steps is None else steps,
         )  # fmt: skip
+
+    def seen_from_vertices(self, lights: Sequence[Light]) -> tuple[NDArray[np.float32], ...]:
+        """Return which share (v,) of each light the vertices of the surface see: 0 or 1.
+
+        Each light is one direction. The last ones are kept.
+        """
+        if not self._lights_seen:
+            surface, own = self.surface, slice(None)
+            if self.company is not None:
+                own = self.company.surface.parts[self.member]
+            normals = self.normals_at(0) if self.at_vertices else self.surface_normals[own]
+            self._lights_seen.append(SeenLights(surface, (surface.unit_points[own], normals)))
+        return self._lights_seen[0].shares(lights)
 
     def typical(self) -> ScaleSpace:
         """Return samples from which numbers that follow the shape are found: all, mostly.

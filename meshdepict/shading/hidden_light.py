@@ -24,10 +24,12 @@ from meshdepict.scene.material import (
 )
 from meshdepict.scene.vectors import cosines
 from meshdepict.shading.direct import direct, kernel_parameters
+from meshdepict.shading.first_light import added
 from meshdepict.shading.lobe_samples import LobeSamples
 from meshdepict.shading.lobes import lobe_samples
 from meshdepict.shading.material_kinds import PHONG
-from meshdepict.shading.reached import Reached, added
+from meshdepict.shading.reached import Reached
+from meshdepict.shading.sampled import least_rays
 
 __all__ = ["albedo", "hidden_direct", "matt", "refuse_unhidden"]
 
@@ -47,7 +49,7 @@ def hidden_direct(
     *,
     environments: Sequence[Environment] = (),
     count: int = 54,
-    rays: int = 0,
+    rays: int | str = 0,
     **settings: Any,
 ) -> Single:
     """Return what `direct` does, each light as much as it is seen, and what came around.
@@ -61,7 +63,7 @@ def hidden_direct(
         As for `direct`.
     reach : Reached
         Of these lights and environments.
-    rays : int
+    rays : int or str
         Samples in a lobe, if more than ``count``.
 
     Returns
@@ -83,7 +85,9 @@ def hidden_direct(
         shown = matt(material, space.normals_at(0), eyes)
         total = added(total, (shown * reach.around.T).T)
     if environments or reach.sent is not None:
-        gloss = _gloss(space, eyes, material, reach, environments, max(count, rays), **settings)
+        gloss = _gloss(
+            space, eyes, material, reach, environments, max(count, least_rays(rays)), **settings
+        )
         total = total if gloss is None else added(total, gloss)
     return total
 

@@ -46,6 +46,7 @@ from meshdepict.shading.reached import (
     ray_count,
     reached,
 )
+from meshdepict.shading.sampled import least_rays
 from meshdepict.shading.seen_through import background_light
 
 __all__ = ["align", "confidence", "light_alignment", "transition"]
@@ -244,7 +245,7 @@ def light_alignment(
         if reach.around is not None and "glossy" in terms and parameters[1] > 0:
             from meshdepict.shading.hidden_lobes import hidden_lobes
 
-            count = max(lights, rays)
+            count = max(lights, least_rays(rays))
 
             def samples(environment: Environment) -> list[LobeSamples]:
                 return aligned_samples(

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from meshdepict.scales.space import ScaleSpace
 from meshdepict.scene.environment import Environment
-from meshdepict.shading.reached import sent_to_all
+from meshdepict.shading.company_light import sent_together
 from meshdepict.threads import spans
 
 __all__ = ["Matt", "mirrored_light"]
@@ -140,7 +140,9 @@ def _beside(
     assert company is not None
     sent = np.zeros(len(company.surface.vertices), np.float32)
     if bounces:
-        sent = sent_to_all(company, [], [environment], shadows=shadows, bounces=bounces, rays=rays)
+        sent = sent_together(
+            company, [], [environment], shadows=shadows, bounces=bounces, rays=rays
+        )
     return Matt(company.mirror_faces, sent)
 
 

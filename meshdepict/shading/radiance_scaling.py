@@ -43,7 +43,16 @@ from meshdepict.shading.features import (
 from meshdepict.shading.gathering import PLAIN, Gathering
 from meshdepict.shading.hidden_light import albedo, hidden_direct, refuse_unhidden
 from meshdepict.shading.method import Exposure, exposed, method
-from meshdepict.shading.reached import USUAL_RAYS, Bounces, Reached, Shadows, ray_count, reached
+from meshdepict.shading.reached import (
+    USUAL_RAYS,
+    Bounces,
+    Denoise,
+    Reached,
+    Shadows,
+    ray_count,
+    reached,
+)
+from meshdepict.shading.sampled import AUTO_RAYS, least_rays
 from meshdepict.shading.scaling_equation import LEAST_INVARIANT, scaling
 from meshdepict.shading.surroundings import (
     as_environment,
@@ -71,7 +80,7 @@ def _reads(
     illumination: str,
     shadows: bool,
     bounces: int,
-    rays: int,
+    rays: int | str,
     roughness: float | None,
     **options: Any,
 ) -> Reads:
@@ -79,6 +88,7 @@ def _reads(
     shown = as_material(material)
     lit = not isinstance(shown, (LitSphere, Mirror, Refractive))
     hidden = ray_count(shadows=shadows, bounces=bounces, rays=rays or USUAL_RAYS)
+    rays = 0 if isinstance(rays, str) else rays  # which precomputed light refuses
     gathered = {"occlusion": rays or 256, "irradiance": rays}.get(illumination, hidden)
     if not lit:  # a smooth mirror has one ray, a painting none
         rough = isinstance(shown, Mirror) and (roughness or shown.roughness)
@@ -156,14 +166,16 @@ def radiance_scaling(
         ),
     ] = "first",
     rays: Annotated[
-        int,
+        int | str,
         Range(
             0,
             65536,
             help="of each sample: for precomputed light, to discs, the sky and what bounces",
             soft=(0, 256),
+            words=(AUTO_RAYS,),
         ),
     ] = 0,
+    denoise: Denoise = 0.0,
     shininess: Parameter = None,
     roughness: Parameter = None,
     bins: Bins = None,
@@ -282,10 +294,15 @@ def radiance_scaling(
             on_the_way = mirrored, space.on_surface(bend_of_vertices())
         shown = seen(
             space, light, eye, chosen, frames, warping, shadows=shadows, bounces=bounces,
-            rays=rays or USUAL_RAYS, scaled=on_the_way,
+            rays=least_rays(rays or USUAL_RAYS), scaled=on_the_way,
         )  # fmt: skip
         shaded = scaled(shown, luminance(shown) / brightest, gamma_s)
     elif illumination != "lights":
+        if isinstance(rays, str):
+            raise MeshdepictError(
+                f"illumination={illumination!r} takes a number of rays, 256 for instance: "
+                f"rays={rays!r} is for shadows and bounces"
+            )
         value, delta = gathered(space, light, chosen, illumination=illumination, rays=rays)
         shaded = scaled(value, delta, gamma_d)
     else:
@@ -303,8 +320,8 @@ def radiance_scaling(
 
             reach = reached(
                 space, lamps, environments, shadows=shadows, bounces=bounces,
-                rays=rays or USUAL_RAYS, albedo=albedo(chosen), shown=displayed,
-                gathering=gathering,
+                rays=rays or USUAL_RAYS, denoise=denoise, albedo=albedo(chosen),
+                shown=displayed, gathering=gathering,
             )  # fmt: skip
         shaded = hidden_direct(
             space, lamps, eyes(space, eye), chosen, reach, environments=environments, count=lights,

@@ -12,8 +12,9 @@ surfaces are in each other's way as they are.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,23 +25,28 @@ from meshdepict.scales.space import ScaleSpace
 from meshdepict.scene.environment import Environment
 from meshdepict.scene.light import Light
 from meshdepict.shading.company_light import sent_together
-from meshdepict.shading.gathering import PLAIN, Gathering, Gathers, fallen
-from meshdepict.transport.radiosity import bounced
+from meshdepict.shading.first_light import (
+    added,
+    along,
+    first_light,
+    from_skies,
+    skies_and_lamps,
+)
+from meshdepict.shading.gathering import PLAIN, Gathering, fallen
+from meshdepict.shading.sampled import AUTO_RAYS, FIRST_RAYS, enough
+from meshdepict.shading.smoothed_light import calmed
+from meshdepict.transport.radiosity import sent_on
 from meshdepict.transport.rays import AGAIN, MOST_RAYS, probed
-
-if TYPE_CHECKING:
-    from meshdepict.scales.company import Company
 
 __all__ = [
     "USUAL_RAYS",
     "Bounces",
+    "Denoise",
     "LightRays",
     "Reached",
     "Shadows",
-    "added",
     "ray_count",
     "reached",
-    "sent_to_all",
 ]
 
 Single = NDArray[np.float32]
@@ -50,10 +56,20 @@ Shadows = Annotated[bool, Flag(help="whether lights cast shadows")]
 Bounces = Annotated[
     int, Range(0, 1000, help="how often light goes on from surface to surface", soft=(0, 5))
 ]
+Denoise = Annotated[
+    float,
+    Range(
+        0, 255, soft=(0, 5),
+        help="grey levels of noise from which on light that came by rays is smoothed; 0: never",
+    ),
+]  # fmt: skip
 LightRays = Annotated[
-    int,
-    Range(2, MOST_RAYS, help="of each sample, to discs, the sky and what bounces", soft=(16, 1024)),
-]
+    int | str,
+    Range(
+        2, MOST_RAYS, help="of each sample, to discs, the sky and what bounces", soft=(16, 1024),
+        words=(AUTO_RAYS,),
+    ),
+]  # fmt: skip
 
 
 USUAL_RAYS = 64
@@ -79,9 +95,11 @@ class Reached(NamedTuple):
     sent: Single | None = None
 
 
-def ray_count(*, shadows: bool, bounces: int, rays: int) -> int:
-    """Return how many rays of each sample a method declares under such options."""
-    return rays if bounces else int(shadows)
+def ray_count(*, shadows: bool, bounces: int, rays: int | str) -> int:
+    """Return how many rays of each sample a method declares under such options, at least."""
+    if not bounces:
+        return int(shadows)
+    return FIRST_RAYS if rays == AUTO_RAYS else int(rays)
 
 
 def reached(
@@ -91,7 +109,8 @@ def reached(
     *,
     shadows: bool,
     bounces: int,
-    rays: int,
+    rays: int | str,
+    denoise: float = 0.0,
     albedo: float,
     shown: Callable[[NDArray[Any]], NDArray[Any]],
     gathering: Gathering = PLAIN,
@@ -108,7 +127,11 @@ def reached(
         Their light comes by rays that get away, and of lamps in them by rays to those: all of it is
         ``around``.
     shadows, bounces, rays
-        The options of these names.
+        The options of these names. As many rays as it takes, "auto", are 64, or twice as many as
+        often as needed; see `sampled.enough`.
+    denoise : float
+        Grey levels of error from which on light of the sky and of bounces is smoothed between
+        neighbours, as far as makes it better; see `smoothed_light`. Discs and lamps are not.
     albedo : float
         What matt surfaces send on, times the space's ``tints`` where it has any.
     shown : callable
@@ -122,12 +145,35 @@ def reached(
     MeshdepictError
         For samples that are no part of a surface.
     """
-    inside = gathering if gathering.everywhere else PLAIN  # for what is sent on
     if space.company is not None:
-        space.company.hear(space, albedo, inside)
-    seen: Shares = (None,) * len(lights)
+        space.company.hear(space, albedo, gathering if gathering.everywhere else PLAIN)
     if not (shadows or bounces):
-        return Reached(seen)
+        return Reached((None,) * len(lights))
+
+    def sampled(count: int) -> Reached:
+        return _sampled(
+            space, lights, environments, shadows=shadows, bounces=bounces, rays=count,
+            denoise=denoise, albedo=albedo, shown=shown, gathering=gathering,
+        )  # fmt: skip
+
+    return enough(space, sampled) if rays == AUTO_RAYS else sampled(int(rays))
+
+
+def _sampled(
+    space: ScaleSpace,
+    lights: Sequence[Light],
+    environments: Sequence[Environment],
+    *,
+    shadows: bool,
+    bounces: int,
+    rays: int,
+    denoise: float,
+    albedo: float,
+    shown: Callable[[NDArray[Any]], NDArray[Any]],
+    gathering: Gathering,
+) -> Reached:
+    """Return what `reached` does, by a number of rays."""
+    seen: Shares = (None,) * len(lights)
     if shadows:
         seen = tuple(space.seen_share(light, rays=rays) for light in lights)
     soft = shadows and any(light.spread for light in lights)
@@ -140,38 +186,50 @@ def reached(
             seen_again = tuple(
                 space.seen_share(each, rays=rays, at=at, steps=AGAIN) for each in lights
             )
-            _record(
-                space, rays, shown(fallen(own, at[1], lights, seen_once)),
-                shown(fallen(own, at[1], lights, seen_again)),
-            )  # fmt: skip
+            once = fallen(own, at[1], lights, seen_once)
+            again = fallen(own, at[1], lights, seen_again)
+            space.light_errors[rays] = _apart(shown(once), shown(again))
         return Reached(seen)
 
     transfer = gathering.traced(space, rays)
     at = transfer.points, transfer.normals
     falling = seen
     if shadows and not space.at_vertices:
-        falling = tuple(space.seen_share(light, rays=rays, at=at) for light in lights)
-    first = gathering.along(transfer)
-    skies, lamps = _parted(environments)
-    lit = tuple(space.seen_share(lamp, at=at) for lamp in lamps)
+        falling = tuple(
+            space.seen_share(light, rays=rays, at=at)
+            if light.spread
+            else space.seen_from_vertices([light])[0]
+            for light in lights
+        )
+    inside = gathering if gathering.everywhere else PLAIN  # for what is sent on
+    first = along(gathering, transfer)
+    skies, lamps = skies_and_lamps(environments)
+    lit = space.seen_from_vertices(lamps) if lamps else ()
     shone = fallen(gathering, at[1], lamps, lit)
-    around = added(_sky(first, skies), shone)
+    by_rays = from_skies(first, skies)
+    around = added(by_rays, shone)
     sent: Single | None = None
     if bounces:
-        if space.company is None:
-            inner = inside.along(transfer if inside is gathering else inside.traced(space, rays))
-            start = _start(inside, inner, at[1], (lights, falling), skies, (lamps, lit))
-            reflected = albedo if space.tints is None else np.float32(albedo) * space.tints
-            _, sent = bounced(inner, start, albedo=reflected, bounces=bounces)
-        else:
-            sent = sent_to_all(
+        if space.company is not None:
+            sent = sent_together(
                 space.company, lights, environments, shadows=shadows, bounces=bounces, rays=rays
             )
-        around = added(around, first.from_surface(sent))
+        else:
+            if inside is gathering:
+                inner = first
+                start = added(added(fallen(inside, at[1], lights, falling), by_rays), shone)
+            else:
+                inner = along(inside, inside.traced(space, rays))
+                seen_lights, seen_lamps = (lights, falling), (lamps, lit)
+                start = first_light(inside, inner, at[1], seen_lights, skies, seen_lamps)
+            reflected = albedo if space.tints is None else np.float32(albedo) * space.tints
+            sent = sent_on(inner, start, albedo=reflected, bounces=bounces)
+        brought = first.from_surface(sent)
+        by_rays, around = added(by_rays, brought), added(around, brought)
     if probes := transfer.probes:
         chosen = probes.chosen
         own = gathering.at(chosen)
-        second = own.along(probes.transfer, again=True)
+        second = along(own, probes.transfer, again=True)
         places = transfer.points[chosen], transfer.normals[chosen]
         known: Shares = tuple(share if share is None else share[chosen] for share in falling)
         others: Shares = known
@@ -179,83 +237,43 @@ def reached(
             others = tuple(
                 space.seen_share(each, rays=rays, at=places, steps=AGAIN) for each in lights
             )
-        again = added(_sky(second, skies), shone[chosen])
+        again = added(from_skies(second, skies), shone[chosen])
         if sent is not None:
             again = added(again, second.from_surface(sent))
-        values, again = (
-            shown(added(fallen(own, places[1], lights, shares), rest))
-            for shares, rest in ((known, around[chosen]), (others, again))
-        )
         if sent is not None and space.tints is not None:
-            values, again = (_tinted(each, space.tints[chosen]) for each in (values, again))
-        _record(space, rays, values, again)
+            shown = _tinted(shown, space.tints[chosen])
+        direct = fallen(own, places[1], lights, known)
+        once, twice = shown(added(direct, around[chosen])), shown(added(direct, again))
+        error = _apart(once, twice)
+        whole = _apart(once, shown(added(fallen(own, places[1], lights, others), again)))
+        if 0 < denoise < whole:
+
+            def told(light: Single, left: float) -> float:
+                smooth = shown(added(direct, added(light, shone)[chosen]))
+                apart = float(np.mean((255 * (np.asarray(smooth, np.float64) - twice)) ** 2))
+                # Of it the second set's own noise is no error of the first.
+                off = max(apart - error**2, left * error**2)
+                return math.sqrt(max(whole**2 - error**2, 0.0) + off)
+
+            calm, whole = calmed(space.own_surface, at[1], by_rays, told, (denoise, whole))
+            around = around if calm is by_rays else added(calm, shone)
+        space.light_errors[rays] = whole
     return Reached(seen, space.of_vertices(around).astype(np.float32), sent)
 
 
-def sent_to_all(
-    company: Company,
-    lights: Sequence[Light],
-    environments: Sequence[Environment],
-    *,
-    shadows: bool,
-    bounces: int,
-    rays: int,
-) -> Single:
-    """Return what the vertices of all objects that stand together send on; see `sent_together`."""
-    skies, lamps = _parted(environments)
+def _tinted(
+    shown: Callable[[NDArray[Any]], NDArray[Any]], tints: Single
+) -> Callable[[NDArray[Any]], NDArray[Any]]:
+    """Return what is displayed of light, on surfaces of a colour (k, 3) as it is shown at last."""
 
-    def start(gathering: Gathering, inner: Gathers, normals: Any, *seen: Any) -> Single:
-        return _start(gathering, inner, normals, (lights, seen[0]), skies, (lamps, seen[1]))
+    def tinted(light: NDArray[Any]) -> NDArray[Any]:
+        plain = srgb_to_linear(shown(light))
+        return np.asarray(linear_to_srgb((plain if plain.ndim == 2 else plain[:, None]) * tints))
 
-    return sent_together(
-        company, lights, skies, lamps, shadows=shadows, bounces=bounces, rays=rays, start=start
-    )
+    return tinted
 
 
-def _parted(environments: Sequence[Environment]) -> tuple[list[Environment], list[Light]]:
-    """Return skies, and lights that stand for lamps in them."""
-    from meshdepict.transport.sky_cells import parted_sky
-
-    parts = [parted_sky(environment) for environment in environments]
-    return [sky for sky, _ in parts], [lamp for _, some in parts for lamp in some]
-
-
-def _start(
-    gathering: Gathering,
-    inner: Gathers,
-    normals: NDArray[Any],
-    lights: tuple[Sequence[Light], Sequence[Single | None]],
-    skies: Sequence[Environment],
-    lamps: tuple[Sequence[Light], Sequence[Single | None]],
-) -> Single:
-    """Return E_0 of lights, each as it is seen, of skies, and of the lamps in them."""
-    direct = added(fallen(gathering, normals, *lights), _sky(inner, skies))
-    return added(direct, fallen(gathering, normals, *lamps))
-
-
-def _sky(transfer: Gathers, environments: Sequence[Environment]) -> Single:
-    """Return what comes from environments; in colour where one of them has any."""
-    total = np.zeros(len(transfer), np.float32)
-    for environment in environments:
-        sky = transfer.from_sky(environment)
-        total = added(total, sky[:, 0] if environment.gray else sky)
-    return total
-
-
-def added(one: Single, other: Single) -> Single:
-    """Return the sum of two results, in colour where either is."""
-    if one.ndim == other.ndim:
-        return one + other
-    return one + other[:, None] if one.ndim == 2 else one[:, None] + other
-
-
-def _tinted(shown: NDArray[Any], tints: Single) -> NDArray[Any]:
-    """Return what is displayed (k,) or (k, 3) on surfaces of a colour, as it is shown at last."""
-    light = srgb_to_linear(shown)
-    return np.asarray(linear_to_srgb((light if light.ndim == 2 else light[:, None]) * tints))
-
-
-def _record(space: ScaleSpace, rays: int, values: NDArray[Any], again: NDArray[Any]) -> None:
-    """Keep the error that two independent results tell, in grey levels."""
-    difference = 255 * (np.asarray(values, np.float64) - again)
-    space.light_errors[rays] = float(np.sqrt(np.mean(difference**2) / 2)) if len(values) else 0.0
+def _apart(one: NDArray[Any], other: NDArray[Any]) -> float:
+    """Return the rms error, in grey levels, of two independent results."""
+    difference = 255 * (np.asarray(one, np.float64) - other)
+    return float(np.sqrt(np.mean(difference**2) / 2)) if len(one) else 0.0

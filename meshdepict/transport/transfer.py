@@ -43,16 +43,27 @@ if TYPE_CHECKING:
     from meshdepict.scene.environment import Environment
     from meshdepict.shapes.mesh import Mesh
 
-__all__ = ["Probes", "Transfer", "traced_transfer"]
+__all__ = [
+    "RAY_BYTES",
+    "Probes",
+    "Transfer",
+    "fits_memory",
+    "places",
+    "probe_places",
+    "traced_part",
+    "traced_transfer",
+]
 
 Floats = NDArray[np.float64]
 Single = NDArray[np.float32]
+Places = tuple[Floats, NDArray[Any], Floats]
 Bend = Callable[[Single, NDArray[np.int64]], None]
 
 _WEIGHTS = 65_535  # of a barycentric coordinate of 1
-_A_HIT = 8  # bytes
 _ANY = np.float32(-2)  # cosine that every ray's to the normal is above
 _HORIZON = np.float32(0)
+RAY_BYTES = 16
+"""What a ray takes at most while it is traced: 8 as it is kept, 8 until all are put together."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -144,12 +155,12 @@ class Probes:
     ----------
     chosen : (k,) array of int
         Which samples.
-    transfer : Transfer
+    transfer : Transfer or Retraced
         Of those, as many rays from each.
     """
 
     chosen: NDArray[np.int64]
-    transfer: Transfer
+    transfer: Any
 
     def error(self, values: NDArray[Any], again: NDArray[Any]) -> float:
         """Return the rms error of values (n, …), from those (k, …) that the second set found."""
@@ -157,6 +168,11 @@ class Probes:
             return 0.0
         difference = np.asarray(values, np.float64)[self.chosen] - again
         return float(np.sqrt(np.mean(difference**2) / 2))
+
+
+def fits_memory(samples: int, rays: int) -> bool:
+    """Whether so many rays from each of so many samples can be kept in the memory allowed."""
+    return RAY_BYTES * rays * samples <= max_memory()
 
 
 def traced_transfer(
@@ -196,25 +212,49 @@ def traced_transfer(
         For another number of rays, and for more than memory holds.
     """
     count = checked_rays(rays)
-    needed = 2 * _A_HIT * count * len(mesh.vertices)
-    if needed > max_memory():
+    if not fits_memory(len(mesh.vertices), count):
+        needed = RAY_BYTES * count * len(mesh.vertices)
         raise MeshdepictError(
             f"rays={count} from {len(mesh.vertices):,} samples may take {as_text(needed)}, more "
             f"than the {as_text(max_memory())} of memory that are allowed: take fewer, or allow "
             "more with --max-memory"
         )
-    where = mesh.normals if normals is None else np.asarray(normals)
-    points, lifts = mesh.unit_points[part], lifted(mesh.unit_points, where)[part]
-    where = where[part]
-    chosen = probed(len(points))
-    second = _traced(
-        mesh, points[chosen], where[chosen], lifts[chosen], RaySet(count, height), AGAIN,
+    at = places(mesh, normals, part)
+    chosen, again, steps = probe_places(at)
+    second = traced_part(
+        mesh, again, count, steps=steps, height=height,
         bend=None if bend is None else lambda d, here: bend(d, chosen[here]),
     )  # fmt: skip
     return _traced(
-        mesh, points, where, lifts, RaySet(count, height), FIRST, bend=bend,
-        probes=Probes(chosen, second), done=done,
-    )  # fmt: skip
+        mesh, *at, RaySet(count, height), FIRST, bend=bend, probes=Probes(chosen, second), done=done
+    )
+
+
+def places(mesh: Mesh, normals: NDArray[Any] | None = None, part: slice = slice(None)) -> Places:
+    """Return points, normals and where rays start off (n, 3) of a mesh's vertices, or a part."""
+    where = mesh.normals if normals is None else np.asarray(normals)
+    return mesh.unit_points[part], where[part], lifted(mesh.unit_points, where)[part]
+
+
+def probe_places(at: Places) -> tuple[NDArray[np.int64], Places, Steps]:
+    """Return which samples tell the error, what `places` says of them, and by which rays."""
+    chosen = probed(len(at[0]))
+    points, normals, lifts = (each[chosen] for each in at)
+    return chosen, (points, normals, lifts), AGAIN
+
+
+def traced_part(
+    mesh: Mesh,
+    at: Places,
+    rays: int,
+    *,
+    steps: Steps = FIRST,
+    height: Callable[[Floats], Floats] = cosine_weighted,
+    bend: Bend | None = None,
+    done: Callable[[int], None] | None = None,
+) -> Transfer:
+    """Trace the rays of some samples; ``at`` as `places` has them."""
+    return _traced(mesh, *at, RaySet(rays, height), steps, bend=bend, done=done)
 
 
 def _traced(
