@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import copy
 import functools
 import os
@@ -289,23 +290,39 @@ def surface_tints(
     """
     found: NDArray[np.uint8] | None = own
     if isinstance(shape, GBuffer):
-        with warnings.catch_warnings():
+        found = None
+        with warnings.catch_warnings(), contextlib.suppress(MeshdepictError):
             warnings.simplefilter("ignore")  # about colours of faces: said where they are shown
-            mesh = shape.mesh
-            found = None if mesh is None else vertex_colors(mesh, baked=was_baked(mesh))
+            found = None if shape.mesh is None else _mesh_colors(shape.mesh)
     if found is None:
         return None
     return np.asarray(color.srgb_to_linear(found / np.float32(255)), np.float32)
 
 
 def _mesh_colors(mesh: Mesh) -> NDArray[np.uint8]:
-    """Return the mesh's own vertex colours; those a former bake set aside come first."""
+    """Return the mesh's own colours at its vertices: theirs, else its textures', else its faces'.
+
+    Those that a former bake set aside come first. In glTF a texture is multiplied by the vertices'.
+    """
+    from meshdepict.shapes.texture_colors import texture_colors
+
     baked = was_baked(mesh)
-    found = vertex_colors(mesh, baked=baked)
+    found = vertex_colors(mesh, baked=baked, faces=False)
+    tinted = found is not None and mesh.textures is not None and mesh.textures.tinted
+    if found is None or tinted:
+        try:
+            painted = texture_colors(mesh)
+        except MeshdepictError as error:
+            raise MeshdepictError(f"albedo='keep' needs what can't be had: {error}") from error
+        if painted is not None and found is not None:
+            return color.multiply_albedo(painted / np.float32(255), found, linear=False)
+        found = painted if found is None else found
+    if found is None:
+        found = vertex_colors(mesh, baked=baked)
     if found is None:
         raise MeshdepictError(
-            "albedo='keep' needs the object's own vertex colours (red, green, blue); the mesh has "
-            + ("only those of a former bake" if baked else "none")
+            "albedo='keep' needs the object's own vertex colours (red, green, blue) or a texture; "
+            "the mesh has " + ("only those of a former bake" if baked else "none")
         )
     return found
 
