@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
 import copy
 import functools
 import os
@@ -110,11 +109,12 @@ def _bake_surface(
         refuse_other_scales(shape, chosen)
 
     def make(scales: int, ratio: float) -> ScaleSpace:
-        if isinstance(shape, ScaleSpace):
-            space = shape if tints is None else copy.copy(shape)  # which others go on using
+        if not isinstance(shape, ScaleSpace):
+            space = sampled(mesh, look, eye, (scales, ratio), tints=tints, place=place)
+        elif tints is None:
+            space = shape
         else:
-            space = sampled(mesh, look, eye, (scales, ratio), place=place)
-        if tints is not None:
+            space = copy.copy(shape)  # others go on using that one
             space.tints = tints
         space.progress = progress
         told.append(space)
@@ -290,10 +290,13 @@ def surface_tints(
     """
     found: NDArray[np.uint8] | None = own
     if isinstance(shape, GBuffer):
-        found = None
-        with warnings.catch_warnings(), contextlib.suppress(MeshdepictError):
+        with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # about colours of faces: said where they are shown
-            found = None if shape.mesh is None else _mesh_colors(shape.mesh)
+            mesh = shape.mesh
+            try:
+                found = None if mesh is None else _mesh_colors(mesh)
+            except MeshdepictError:
+                found = None
     if found is None:
         return None
     return np.asarray(color.srgb_to_linear(found / np.float32(255)), np.float32)

@@ -54,9 +54,9 @@ class SeenSide(ScaleSpace):
             facing=source.facing, tolerance=source.tolerance,
         )  # fmt: skip
         self.at_vertices = source.at_vertices
+        self.light_errors, self.progress = source.light_errors, source.progress
         self.tints = source.tints
         self.company, self.member = source.company, source.member
-        self.light_errors, self.progress = source.light_errors, source.progress
         self._share_rays()
 
     def _share_rays(self) -> None:

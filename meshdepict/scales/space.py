@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from meshdepict.transport.occlusion import Openness
     from meshdepict.transport.rays import Steps
     from meshdepict.transport.retraced import Retraced
-    from meshdepict.transport.transfer import Transfer
+    from meshdepict.transport.transfer import Leaving, Transfer
 
 __all__ = ["ScaleSpace"]
 
@@ -68,13 +68,13 @@ class ScaleSpace(ReliefSamples):
     light_errors : LightErrors
         By the number of rays, root mean square error in grey levels of the last light that was
         sampled: discs, the sky and bounces.
-    progress : callable, optional
-        ``progress(done, total)``, whom rays tell how far they are.
     tints : (v, 3) array of float32, optional
         The own colours of the surface's vertices in linear light, which tint what they send on;
         None: white.
     company, member : Company, int
         What else stands where rays go, and which of them this is of; None where it is alone.
+    progress : callable, optional
+        ``progress(done, total)``, whom rays tell how far they are.
     """
 
     at_vertices = False
@@ -105,13 +105,13 @@ class ScaleSpace(ReliefSamples):
         self._seen: dict[tuple[int, float], tuple[tuple[Any, ...], ViewCurvature]] = {}
         self._openness: dict[int, Openness] = {}
         self._transfers: dict[int, Transfer | Retraced] = {}
+        self._kept: dict[str, tuple[tuple[Any, ...], Any]] = {}
         self._lights_seen: list[SeenLights] = []  # one, once it is asked for
         self._sides_seen: tuple[bytes, dict[int, Transfer | Retraced], list[SeenLights]] | None = (
             None
         )
         self.progress: Progress | None = None
         self.light_errors = LightErrors()
-        self._kept: dict[str, tuple[tuple[Any, ...], Any]] = {}
 
     @property
     def points(self) -> NDArray[np.float64]:
@@ -249,37 +249,48 @@ class ScaleSpace(ReliefSamples):
             For a number of rays beyond 2 … 65536, and for samples that are no part of a surface.
         """
         if self.company is not None:
-            return self.company.transport(rays, self.member, self.progress)
+            return self._told(self.company.transport(rays, self.member, progress=self.progress))
         if rays not in self._transfers:
-            from meshdepict.transport.retraced import transfer_of
+            self._transfers[rays] = self.traced(rays)
+        return self._told(self._transfers[rays])
 
-            self._transfers[rays] = transfer_of(
-                self.surface, normals=self.surface_normals, rays=rays, progress=self.progress
-            )
-        found = self._transfers[rays]
-        if hasattr(found, "progress"):
-            found.progress = self.progress
-        return found
-
-    def traced(self, rays: int, **how: Any) -> Transfer:
-        """Trace rays from the vertices of the surface, of which they are not kept.
+    def traced(self, rays: int, how: Leaving | None = None) -> Transfer | Retraced:
+        """Return where rays from the vertices of the surface go, traced anew; see `transport`.
 
         Parameters
         ----------
         rays : int
-        **how
-            ``height`` and ``bend`` of `transport.transfer.traced_transfer`: how they leave.
+        how : Leaving, optional
+            How they leave: cosine-weighted unless given.
 
         Raises
         ------
         MeshdepictError
             As for `transport`.
         """
-        from meshdepict.transport.transfer import traced_transfer
+        from meshdepict.transport.retraced import transfer_of
+        from meshdepict.transport.transfer import USUAL
 
+        leaving = USUAL if how is None else how
         if self.company is not None:
-            return self.company.traced(rays, self.member, **how)
-        return traced_transfer(self.surface, normals=self.surface_normals, rays=rays, **how)
+            return self.company.traced(rays, self.member, leaving, progress=self.progress)
+        return transfer_of(
+            self.surface, normals=self.surface_normals, rays=rays, how=leaving,
+            progress=self.progress,
+        )  # fmt: skip
+
+    def traced_once(
+        self, name: str, key: tuple[Any, ...], rays: int, how: Callable[[], Leaving]
+    ) -> Transfer | Retraced:
+        """Return where rays of a method's own go, kept as `kept` does."""
+        found: Transfer | Retraced = self.kept(name, (rays, *key), lambda: self.traced(rays, how()))
+        return self._told(found)
+
+    def _told(self, found: Transfer | Retraced) -> Transfer | Retraced:
+        """Let rays that are traced again know whom to tell how far they are."""
+        if hasattr(found, "progress"):
+            found.progress = self.progress
+        return found
 
     def kept(self, name: str, key: tuple[Any, ...], find: Callable[[], Any]) -> Any:
         """Return what a method found here before, or finds anew where its key is another.
@@ -335,11 +346,12 @@ class ScaleSpace(ReliefSamples):
         Each light is one direction. The last ones are kept.
         """
         if not self._lights_seen:
-            surface, own = self.surface, slice(None)
+            surface = self.surface
+            points, normals = surface.unit_points, surface.normals
             if self.company is not None:
-                own = self.company.surface.parts[self.member]
-            normals = self.normals_at(0) if self.at_vertices else self.surface_normals[own]
-            self._lights_seen.append(SeenLights(surface, (surface.unit_points[own], normals)))
+                points, normals = self.company.places(self.member)
+            own = self.normals_at(0) if self.at_vertices else normals
+            self._lights_seen.append(SeenLights(surface, (points, own)))
         return self._lights_seen[0].shares(lights)
 
     def typical(self) -> ScaleSpace:

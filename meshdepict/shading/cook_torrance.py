@@ -26,6 +26,7 @@ from meshdepict.shading.reached import (
     ray_count,
     reached,
 )
+from meshdepict.shading.sampled import used_rays
 
 __all__ = ["cook_torrance"]
 
@@ -88,6 +89,6 @@ def cook_torrance(
         reach,
         environments=environments,
         count=lights,
-        rays=rays,
+        rays=used_rays(space, rays),
     )
     return exposed(shaded, exposure)

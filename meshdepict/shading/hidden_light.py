@@ -29,7 +29,6 @@ from meshdepict.shading.lobe_samples import LobeSamples
 from meshdepict.shading.lobes import lobe_samples
 from meshdepict.shading.material_kinds import PHONG
 from meshdepict.shading.reached import Reached
-from meshdepict.shading.sampled import least_rays
 
 __all__ = ["albedo", "hidden_direct", "matt", "refuse_unhidden"]
 
@@ -49,7 +48,7 @@ def hidden_direct(
     *,
     environments: Sequence[Environment] = (),
     count: int = 54,
-    rays: int | str = 0,
+    rays: int = 0,
     **settings: Any,
 ) -> Single:
     """Return what `direct` does, each light as much as it is seen, and what came around.
@@ -63,7 +62,7 @@ def hidden_direct(
         As for `direct`.
     reach : Reached
         Of these lights and environments.
-    rays : int or str
+    rays : int
         Samples in a lobe, if more than ``count``.
 
     Returns
@@ -85,9 +84,7 @@ def hidden_direct(
         shown = matt(material, space.normals_at(0), eyes)
         total = added(total, (shown * reach.around.T).T)
     if environments or reach.sent is not None:
-        gloss = _gloss(
-            space, eyes, material, reach, environments, max(count, least_rays(rays)), **settings
-        )
+        gloss = _gloss(space, eyes, material, reach, environments, max(count, rays), **settings)
         total = total if gloss is None else added(total, gloss)
     return total
 
@@ -123,18 +120,23 @@ def _shown(material: Material, facing: NDArray[np.float64]) -> NDArray[np.float6
     return np.asarray(2 * _WEIGHTS @ terms)
 
 
-def refuse_unhidden(material: Material, illumination: str) -> None:
+def refuse_unhidden(material: Material, illumination: str, *, shadows: bool) -> None:
     """Refuse shadows and bounces of what is no light.
 
     Raises
     ------
     MeshdepictError
-        For a painted material, and for precomputed light.
+        For a painted material, for shadows of a transparent one, and for precomputed light.
     """
-    if isinstance(material, (LitSphere, Refractive)):
+    if isinstance(material, LitSphere):
         raise MeshdepictError(
             f"{type(material).__name__} shows no lights that could cast shadows or bounce: leave "
             "shadows and bounces out"
+        )
+    if shadows and isinstance(material, Refractive):
+        raise MeshdepictError(
+            "Refractive lets light through and casts no shadow: leave shadows out, and say by "
+            "bounces how many walls light meets within"
         )
     if illumination != "lights":
         raise MeshdepictError(

@@ -40,13 +40,14 @@ from meshdepict.shading.method import Exposure, exposed, method, require_smoothi
 from meshdepict.shading.reached import (
     USUAL_RAYS,
     Bounces,
+    Denoise,
     LightRays,
     Reached,
     Shadows,
     ray_count,
     reached,
 )
-from meshdepict.shading.sampled import least_rays
+from meshdepict.shading.sampled import used_rays
 from meshdepict.shading.seen_through import background_light
 
 __all__ = ["align", "confidence", "light_alignment", "transition"]
@@ -73,9 +74,11 @@ def _reads(
     specular_strength: float | Sequence[float],
     transmitted: float,
     transmitted_strength: float | Sequence[float],
+    background: float,
+    interfaces: int,
     shadows: bool,
     bounces: int,
-    rays: int,
+    rays: int | str,
     **_: Any,
 ) -> Reads:
     """Return the shape's own normals, both of every pair of scales that turns light, and rays."""
@@ -84,7 +87,8 @@ def _reads(
         strengths.append(per_scale(last, specular_strength, "specular_strength"))
     if last and transmitted > 0:
         strengths.append(per_scale(last, transmitted_strength, "transmitted_strength"))
-    count = ray_count(shadows=shadows, bounces=bounces, rays=rays)
+    within = interfaces == 2 and bool(transmitted or background)
+    count = ray_count(shadows=shadows, bounces=1 if within else bounces, rays=rays)
     return Reads(normals=frozenset(aligned_scales(*strengths)), rays=count)
 
 
@@ -137,10 +141,15 @@ def light_alignment(
         float,
         Range(0, 1e6, help="weight of what shows through: the environment, or white", soft=(0, 1)),
     ] = 0.0,
+    interfaces: Annotated[
+        int,
+        Range(1, 2, help="light comes through the surface alone, or through the body, by two"),
+    ] = 1,
     lights: LightCount = 54,
     shadows: Shadows = False,
     bounces: Bounces = 0,
     rays: LightRays = USUAL_RAYS,
+    denoise: Denoise = 0.0,
     exposure: Exposure = 1.0,
 ) -> NDArray[np.float32]:
     """Turn the light at every point and scale so that each feature has a bright and a dark side.
@@ -174,11 +183,18 @@ def light_alignment(
     background : float
         Weight of the background seen through the surface by the same index and roughness (fig. 8):
         an Environment's radiance, or white behind lights of other kinds. It has no light to align.
+    interfaces : {1, 2}
+        1: what is seen through the surface is lit as if glass went on for ever. 2: rays go through
+        the body, are refracted or mirrored at up to four walls within, and see lights and the
+        background outside; light is aligned with the guides of 1, turned to where rays leave.
+        Where the mesh is open and a ray finds no wall it leaves as it goes, and meets no light.
     shadows, bounces : bool, int
         A light is hidden by what lies where it is, and shades from where it is turned to; so does
         each ray that brings what the sky sends and surfaces send on, before which light bounces as
         ever. Highlights have rays and guides of their own, and are of the same sky and surface.
         Transmitted light is not hidden.
+    rays : int
+        Also through a body with two interfaces.
 
     Raises
     ------
@@ -221,17 +237,18 @@ def light_alignment(
 
         reach = reached(
             space, lamps, environments, shadows=shadows, bounces=bounces, rays=rays,
-            albedo=albedo(surface), shown=displayed, gathering=gathering,
+            denoise=denoise, albedo=albedo(surface), shown=displayed, gathering=gathering,
         )  # fmt: skip
-    if (shadows or bounces) and not transmitted and not any(each.any() for each in used):
+    clear = transmitted if interfaces == 1 else 0.0
+    if (shadows or bounces) and not clear and not any(each.any() for each in used):
         plain = hidden_direct(
             space, lamps, eyes(space, eye), surface, reach, environments=environments,
-            count=lights, rays=rays,
+            count=lights, rays=used_rays(space, rays),
         )  # fmt: skip
         total = np.float32(ambient_term(surface)) + (plain if plain.ndim == 2 else plain[:, None])
     else:
         terms = aligned_terms(
-            normals, eyes(space, eye), surface, transmitted=transmitted, refraction=refraction,
+            normals, eyes(space, eye), surface, transmitted=clear, refraction=refraction,
             frosting=frosting, sharpness=sharpness, diffuse_strength=diffuse_strength,
             specular_strength=glossy_strength, transmitted_strength=clear_strength,
         )  # fmt: skip
@@ -245,7 +262,7 @@ def light_alignment(
         if reach.around is not None and "glossy" in terms and parameters[1] > 0:
             from meshdepict.shading.hidden_lobes import hidden_lobes
 
-            count = max(lights, least_rays(rays))
+            count = max(lights, used_rays(space, rays))
 
             def samples(environment: Environment) -> list[LobeSamples]:
                 return aligned_samples(
@@ -269,7 +286,17 @@ def light_alignment(
                 normals, eyes(space, eye), environment, kind, parameters,
                 count=lights, sharpness=sharpness, strengths=glossy_strength,
             )  # fmt: skip
-    if background:
+    if interfaces == 2 and (transmitted or background):
+        from meshdepict.shading.aligned_glass import aligned_glass
+
+        lamps = [*lamps, *(lamp for sky in environments for lamp in sky.lights(lights))]
+        towards = visible_eye(normals[0], eyes(space, eye))
+        total = total + aligned_glass(
+            space, normals, towards, lamps, environments, transmitted=transmitted,
+            background=background, refraction=refraction, frosting=frosting, sharpness=sharpness,
+            strengths=clear_strength, rays=used_rays(space, rays),
+        )  # fmt: skip
+    elif background:
         own = normals[0]
         for sky in environments or (None,):
             total = total + np.float32(background) * background_light(

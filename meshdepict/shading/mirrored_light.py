@@ -14,14 +14,16 @@ from meshdepict.scene.environment import Environment
 from meshdepict.shading.company_light import sent_together
 from meshdepict.threads import spans
 
-__all__ = ["Matt", "mirrored_light"]
+__all__ = ["FILTER", "Matt", "lobe_blurs", "lobe_height", "mirrored_light"]
 
 Single = NDArray[np.float32]
 Scaled = Callable[[Single, Single], Single]
 
+FILTER = 0.5
+"""Of how far neighbours' rays are apart is the width of their blur."""
+
 _AT_ONCE = 262_144  # rays whose light is looked up together: twenty megabytes
 _SPREAD = 0.25  # of a blur's variance over the solid angle that a ray stands for; see `lobes`
-_FILTER = 0.5  # of how far neighbours' rays are apart is the width of their blur
 _LAST = 0.98  # share of a lobe's rays up to which they stand for less than all that is left of it
 
 
@@ -117,9 +119,9 @@ def mirrored_light(
         out[above] = _arriving(scene, above, starts, looks[above], np.zeros(1))
         return out
     # A von Mises–Fisher lobe, as `Environment.lookup` blurs by, less the blur of every ray.
-    blurs = _blurs(roughness, rays)
+    blurs = lobe_blurs(roughness, rays)
     narrow = roughness**2 - float(np.mean(blurs**2))
-    lobe = RaySet(rays, lambda share: _height(share, math.sqrt(max(narrow, 1e-12))))
+    lobe = RaySet(rays, lambda share: lobe_height(share, math.sqrt(max(narrow, 1e-12))))
     for begin, end in spans(len(above), -(-len(above) * rays // _AT_ONCE)):
         here = above[begin:end]
         axes = looks[here].astype(np.float64)
@@ -130,6 +132,19 @@ def mirrored_light(
         )
         out[here] = _arriving(scene, here, starts, towards, blurs).reshape(-1, rays, 3).mean(axis=1)
     return out
+
+
+def lobe_height(share: NDArray[Any], width: float) -> NDArray[Any]:
+    """Return cosines to the axis of a von Mises–Fisher lobe, by how much of it is nearer."""
+    inner = np.asarray(share, np.float64)
+    return 1 + width**2 * np.log(1 - inner * -math.expm1(-2 / width**2))
+
+
+def lobe_blurs(width: float, rays: int) -> NDArray[np.float64]:
+    """Return by how much (rays,) each ray of a lobe is blurred: as far as it stands for."""
+    share = np.minimum((np.arange(rays) + 0.5) / rays, _LAST)
+    solid = 2 * math.pi * width**2 / (rays * (1 - share))
+    return np.minimum(np.sqrt(_SPREAD * solid), width / 2)
 
 
 def _beside(
@@ -144,19 +159,6 @@ def _beside(
             company, [], [environment], shadows=shadows, bounces=bounces, rays=rays
         )
     return Matt(company.mirror_faces, sent)
-
-
-def _height(share: NDArray[Any], width: float) -> NDArray[Any]:
-    """Return cosines to the axis of a von Mises–Fisher lobe, by how much of it is nearer."""
-    inner = np.asarray(share, np.float64)
-    return 1 + width**2 * np.log(1 - inner * -math.expm1(-2 / width**2))
-
-
-def _blurs(width: float, rays: int) -> NDArray[np.float64]:
-    """Return by how much (rays,) each ray of a lobe is blurred: as far as it stands for."""
-    share = np.minimum((np.arange(rays) + 0.5) / rays, _LAST)
-    solid = 2 * math.pi * width**2 / (rays * (1 - share))
-    return np.minimum(np.sqrt(_SPREAD * solid), width / 2)
 
 
 def _kept_above(directions: Single, normals: Single) -> Single:
@@ -188,7 +190,7 @@ def _arriving(
         times[met.ray] += 1
     variance = np.tile(blurs**2, len(samples)) + times * scene.roughness**2
     # Of what was mirrored again neighbours see other parts: as a picture that is made smaller.
-    variance += np.where(times > 0, (_FILTER * paths.spread) ** 2, 0)
+    variance += np.where(times > 0, (FILTER * paths.spread) ** 2, 0)
     away = np.flatnonzero(paths.triangle == AWAY)
     blur = np.sqrt(variance[away])
     found[away] = scene.environment.lookup(paths.directions[away], blur=blur)

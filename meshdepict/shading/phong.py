@@ -26,6 +26,7 @@ from meshdepict.shading.reached import (
     ray_count,
     reached,
 )
+from meshdepict.shading.sampled import used_rays
 
 __all__ = ["phong"]
 
@@ -85,6 +86,6 @@ def phong(
         reach,
         environments=environments,
         count=lights,
-        rays=rays,
+        rays=used_rays(space, rays),
     )
     return exposed(shaded + np.float32(ambient), exposure)

@@ -52,7 +52,7 @@ from meshdepict.shading.reached import (
     ray_count,
     reached,
 )
-from meshdepict.shading.sampled import AUTO_RAYS, least_rays
+from meshdepict.shading.sampled import AUTO_RAYS, used_rays
 from meshdepict.shading.scaling_equation import LEAST_INVARIANT, scaling
 from meshdepict.shading.surroundings import (
     as_environment,
@@ -91,7 +91,7 @@ def _reads(
     rays = 0 if isinstance(rays, str) else rays  # which precomputed light refuses
     gathered = {"occlusion": rays or 256, "irradiance": rays}.get(illumination, hidden)
     if not lit:  # a smooth mirror has one ray, a painting none
-        rough = isinstance(shown, Mirror) and (roughness or shown.roughness)
+        rough = isinstance(shown, (Mirror, Refractive)) and (roughness or shown.roughness)
         gathered = 0 if isinstance(shown, LitSphere) else int(shadows or bounces > 0)
         gathered *= (rays or USUAL_RAYS) if rough else 1
     own = Reads(normals=frozenset((0,)), rays=gathered)
@@ -222,7 +222,7 @@ def radiance_scaling(
         ray by ray, δ = n·d, by κ without its anisotropy; the ambient term neither is hidden nor
         bounces. Highlights, too, are of what rays meet: the sky or the surface. A mirror shows the
         surface: mirrored as often as bounces says, then the environment, or nothing where shadows
-        hide that.
+        hide that. A refractive body lets light out by up to so many walls within.
     enhance : {"first", "all"}
         "all" is the paper's fig. 11, of the surface's own curvature. Where albedo times scaling is
         above 1 light grows from bounce to bounce: the sum of so many bounces is finite still, and
@@ -242,7 +242,7 @@ def radiance_scaling(
         bounces of what has none.
     """
     if shadows or bounces:
-        refuse_unhidden(as_material(material), illumination)
+        refuse_unhidden(as_material(material), illumination, shadows=shadows)
         if enhance == "all" and curvature != "object":
             raise MeshdepictError(
                 f"enhance='all' is of the surface's own curvature: leave curvature={curvature!r} "
@@ -294,7 +294,7 @@ def radiance_scaling(
             on_the_way = mirrored, space.on_surface(bend_of_vertices())
         shown = seen(
             space, light, eye, chosen, frames, warping, shadows=shadows, bounces=bounces,
-            rays=least_rays(rays or USUAL_RAYS), scaled=on_the_way,
+            rays=used_rays(space, rays or USUAL_RAYS), scaled=on_the_way,
         )  # fmt: skip
         shaded = scaled(shown, luminance(shown) / brightest, gamma_s)
     elif illumination != "lights":
@@ -325,7 +325,7 @@ def radiance_scaling(
             )  # fmt: skip
         shaded = hidden_direct(
             space, lamps, eyes(space, eye), chosen, reach, environments=environments, count=lights,
-            rays=rays or USUAL_RAYS, frames=frames, warping=warping,
+            rays=used_rays(space, rays or USUAL_RAYS), frames=frames, warping=warping,
             scaling=Scaling(gamma_d, gamma_s, alpha, anisotropy),
         )  # fmt: skip
         if ambient:

@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from typing import Annotated, Any, NamedTuple
+from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,11 +32,14 @@ from meshdepict.shading.first_light import (
     from_skies,
     skies_and_lamps,
 )
-from meshdepict.shading.gathering import PLAIN, Gathering, fallen
+from meshdepict.shading.gathering import PLAIN, Gathering, Gathers, fallen
 from meshdepict.shading.sampled import AUTO_RAYS, FIRST_RAYS, enough
 from meshdepict.shading.smoothed_light import calmed
 from meshdepict.transport.radiosity import sent_on
 from meshdepict.transport.rays import AGAIN, MOST_RAYS, probed
+
+if TYPE_CHECKING:
+    pass
 
 __all__ = [
     "USUAL_RAYS",
@@ -145,8 +148,9 @@ def reached(
     MeshdepictError
         For samples that are no part of a surface.
     """
+    inside = gathering if gathering.everywhere else PLAIN  # for what is sent on
     if space.company is not None:
-        space.company.hear(space, albedo, gathering if gathering.everywhere else PLAIN)
+        space.company.hear(space, albedo, inside)
     if not (shadows or bounces):
         return Reached((None,) * len(lights))
 
@@ -186,8 +190,7 @@ def _sampled(
             seen_again = tuple(
                 space.seen_share(each, rays=rays, at=at, steps=AGAIN) for each in lights
             )
-            once = fallen(own, at[1], lights, seen_once)
-            again = fallen(own, at[1], lights, seen_again)
+            once, again = (fallen(own, at[1], lights, each) for each in (seen_once, seen_again))
             space.light_errors[rays] = _apart(shown(once), shown(again))
         return Reached(seen)
 
@@ -216,14 +219,19 @@ def _sampled(
             )
         else:
             if inside is gathering:
-                inner = first
-                start = added(added(fallen(inside, at[1], lights, falling), by_rays), shone)
+                inner: Gathers = first
+                light = added(added(fallen(inside, at[1], lights, falling), by_rays), shone)
             else:
-                inner = along(inside, inside.traced(space, rays))
+                # A single bounce of lights alone takes none of these rays.
+                inner = (
+                    first
+                    if bounces == 1 and not skies
+                    else along(inside, inside.traced(space, rays))
+                )
                 seen_lights, seen_lamps = (lights, falling), (lamps, lit)
-                start = first_light(inside, inner, at[1], seen_lights, skies, seen_lamps)
+                light = first_light(inside, inner, at[1], seen_lights, skies, seen_lamps)
             reflected = albedo if space.tints is None else np.float32(albedo) * space.tints
-            sent = sent_on(inner, start, albedo=reflected, bounces=bounces)
+            sent = sent_on(inner, light, albedo=reflected, bounces=bounces)
         brought = first.from_surface(sent)
         by_rays, around = added(by_rays, brought), added(around, brought)
     if probes := transfer.probes:
@@ -240,16 +248,19 @@ def _sampled(
         again = added(from_skies(second, skies), shone[chosen])
         if sent is not None:
             again = added(again, second.from_surface(sent))
-        if sent is not None and space.tints is not None:
-            shown = _tinted(shown, space.tints[chosen])
+        tints = None if sent is None or space.tints is None else space.tints[chosen]
+
+        def seen_as(light: Single) -> NDArray[Any]:
+            return shown(light) if tints is None else _tinted(shown(light), tints)
+
         direct = fallen(own, places[1], lights, known)
-        once, twice = shown(added(direct, around[chosen])), shown(added(direct, again))
+        once, twice = seen_as(added(direct, around[chosen])), seen_as(added(direct, again))
         error = _apart(once, twice)
-        whole = _apart(once, shown(added(fallen(own, places[1], lights, others), again)))
+        whole = _apart(once, seen_as(added(fallen(own, places[1], lights, others), again)))
         if 0 < denoise < whole:
 
             def told(light: Single, left: float) -> float:
-                smooth = shown(added(direct, added(light, shone)[chosen]))
+                smooth = seen_as(added(direct, added(light, shone)[chosen]))
                 apart = float(np.mean((255 * (np.asarray(smooth, np.float64) - twice)) ** 2))
                 # Of it the second set's own noise is no error of the first.
                 off = max(apart - error**2, left * error**2)
@@ -261,16 +272,10 @@ def _sampled(
     return Reached(seen, space.of_vertices(around).astype(np.float32), sent)
 
 
-def _tinted(
-    shown: Callable[[NDArray[Any]], NDArray[Any]], tints: Single
-) -> Callable[[NDArray[Any]], NDArray[Any]]:
-    """Return what is displayed of light, on surfaces of a colour (k, 3) as it is shown at last."""
-
-    def tinted(light: NDArray[Any]) -> NDArray[Any]:
-        plain = srgb_to_linear(shown(light))
-        return np.asarray(linear_to_srgb((plain if plain.ndim == 2 else plain[:, None]) * tints))
-
-    return tinted
+def _tinted(shown: NDArray[Any], tints: Single) -> NDArray[Any]:
+    """Return what is displayed (k,) or (k, 3) on surfaces of a colour, as it is shown at last."""
+    light = srgb_to_linear(shown)
+    return np.asarray(linear_to_srgb((light if light.ndim == 2 else light[:, None]) * tints))
 
 
 def _apart(one: NDArray[Any], other: NDArray[Any]) -> float:

@@ -26,6 +26,7 @@ from meshdepict.scene.view import View
 from meshdepict.shading.features import Frames, eyes
 from meshdepict.shading.mirrored_light import mirrored_light
 from meshdepict.shading.painted import painted, sphere_picture
+from meshdepict.shading.refracted_light import refracted_light
 from meshdepict.shading.warp_equations import warp, warp_scale
 
 __all__ = ["as_environment", "gathered", "luminance", "seen", "sphere_colors"]
@@ -64,7 +65,7 @@ def seen(
 
     Light Warping turns that direction; it is kept even where it leaves the hemisphere of the
     normal, where a black hole would be the alternative. With shadows or bounces rays go there; see
-    `mirrored_light.mirrored_light` for the rest.
+    `mirrored_light` and `refracted_light` for the rest.
     """
     environment = as_environment(light, type(material).__name__)
     normals = space.normals_at(0)
@@ -78,7 +79,9 @@ def seen(
         local = np.einsum("nij,nj->ni", axes, directions)
         turned = warp(local, warp_scale(frames.ku, warping), warp_scale(frames.kv, warping))
         directions = np.einsum("nij,ni->nj", axes, turned)
-    if shadows or bounces:
+    if isinstance(material, Refractive) and bounces:
+        return refracted_light(space, environment, directions, material, bounces=bounces, rays=rays)
+    if isinstance(material, Mirror) and (shadows or bounces):
         return mirrored_light(
             space, environment, directions, roughness=material.roughness, shadows=shadows,
             bounces=bounces, rays=rays, scaled=scaled,

@@ -18,14 +18,23 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshdepict.threads import each, kernel, spans
-from meshdepict.transport.rays import _OFFSET as OFFSET
-from meshdepict.transport.rays import AHEAD, BATCH, ray_scene
+from meshdepict.transport.rays import AHEAD, BATCH, OFFSET, ray_scene
 from meshdepict.transport.walls import walls_of
 
 if TYPE_CHECKING:
     from meshdepict.shapes.mesh import Mesh
 
-__all__ = ["AWAY", "HIDDEN", "Met", "Paths", "between", "mirrored_paths", "starting", "turning"]
+__all__ = [
+    "AWAY",
+    "HIDDEN",
+    "Met",
+    "Paths",
+    "between",
+    "farthest",
+    "mirrored_paths",
+    "starting",
+    "turning",
+]
 
 Single = NDArray[np.float32]
 Ints = NDArray[np.int32]
@@ -209,7 +218,7 @@ def _bends(points, normals, a, b, c, dx, dy, dz):  # type: ignore[no-untyped-def
 
 
 @kernel()
-def _farthest(normals, a, b, c):  # type: ignore[no-untyped-def]
+def farthest(normals, a, b, c):  # type: ignore[no-untyped-def]
     """Return the longest distance between two of three normals."""
     ab = bc = ca = np.float32(0)
     for axis in range(3):
@@ -282,7 +291,7 @@ def _step(  # type: ignore[no-untyped-def]
             dx, dy, dz = dx / size, dy / size, dz / size
             directions[i, 0], directions[i, 1], directions[i, 2] = dx, dy, dz
             if width[i] > 0 and sizes[f] > 0:
-                turn = _farthest(normals, a, b, c) / sizes[f]
+                turn = farthest(normals, a, b, c) / sizes[f]
                 spread[i] = min(spread[i] + 2 * turn * width[i], _WIDEST)
             if left[k] == 0 and not hidden:
                 continue

@@ -31,6 +31,7 @@ __all__ = [
     "BATCH",
     "FIRST",
     "MOST_RAYS",
+    "OFFSET",
     "Bundle",
     "RaySet",
     "Steps",
@@ -51,8 +52,8 @@ MOST_RAYS = 65_536
 BATCH = 65_536
 """Rays that are traced at once: three megabytes, however large the mesh."""
 
-_OFFSET = 1e-5  # of a ray's start from the surface, in diagonals: 100 roundings in float32
-AHEAD = np.float32(0.25 * _OFFSET)
+OFFSET = 1e-5  # of a ray's start from the surface, in diagonals: 100 roundings in float32
+AHEAD = np.float32(0.25 * OFFSET)
 """Of a ray that begins further on: less than what lifts a start off the walls of its corner."""
 _GOLDEN = (math.sqrt(5) - 1) / 2
 _GRID = 2.0**20  # positions this share of a diagonal apart have different shifts
@@ -154,7 +155,7 @@ class RaySet:
 
 def started(points: Floats, lifts: Floats) -> Single:
     """Return where rays from points (n, 3) start, off the surface along unit vectors."""
-    return (points + _OFFSET * lifts).astype(np.float32)
+    return (points + OFFSET * lifts).astype(np.float32)
 
 
 def cosine_weighted(share: Floats) -> Floats:

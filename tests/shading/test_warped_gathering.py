@@ -324,7 +324,6 @@ def test_pixels_have_shadows_but_no_warped_rays(torus):
 @pytest.mark.parametrize(
     ("options", "sentence"),
     [
-        ({"material": Refractive()}, "Refractive shows no lights that could cast shadows"),
         ({"illumination": "occlusion"}, "illumination='occlusion' has light from all around"),
         ({"quadrature": "directions"}, "quadrature='directions' looks up an environment that"),
     ],
@@ -333,6 +332,19 @@ def test_what_has_no_shadows_and_no_bounces(space, options, sentence):
     for asked in ({"shadows": True}, {"bounces": 1}):
         with pytest.raises(MeshdepictError, match=sentence):
             light_warping(space, white(), **options, **asked)
+
+
+def test_a_refractive_body_shows_the_sky_along_warped_rays(space):
+    options = {"material": Refractive(), "exposure": 0.5, "bounces": 3}
+    shown = light_warping(space, soft_sky(), magnitude=0, **options)
+    same = shading.radiance_scaling(space, soft_sky(), magnitude=0, **options)
+    np.testing.assert_array_equal(shown, same)
+    warped = light_warping(space, soft_sky(), **options)
+    assert np.abs(warped - shown).max() > 0.02
+    even = light_warping(space, white(0.5), material=Refractive(), bounces=3)
+    np.testing.assert_allclose(even, 0.5, atol=1e-4)
+    with pytest.raises(MeshdepictError, match="Refractive lets light through and casts no shadow"):
+        light_warping(space, white(), **{**options, "shadows": True})
 
 
 def test_a_mirror_shows_the_surface_along_warped_rays(space, sphere):
