@@ -312,13 +312,17 @@ def test_what_does_not_stand_together_is_refused(torus):
         md.bake_together([torus, (torus, {"albedo": "keep"})], "lambert")
 
 
-def test_more_rays_than_memory_holds_are_refused(torus, globe):
+def test_rays_that_memory_does_not_hold_are_traced_again(torus, globe):
+    options = {"light": SIDE, "bounces": 2, "rays": 256, "shadows": True}
+    kept = md.bake_together([torus, globe], "lambert", **options)
     try:
-        limits.set_max_memory("1MB")
-        with pytest.raises(MeshdepictError, match=r"rays=1024 from .* samples may take"):
-            md.bake_together([torus, globe], "lambert", bounces=1, rays=1024)
+        limits.set_max_memory("2MB")
+        again = md.bake_together([torus, globe], "lambert", **options)
     finally:
         limits.set_max_memory(None)
+    assert type(again[0].space.transport(256)) is not type(kept[0].space.transport(256))
+    for one, other in zip(kept, again, strict=True):
+        np.testing.assert_array_equal(one.intensity, other.intensity)
 
 
 def test_an_object_much_smaller_than_its_scene_is_said(torus, globe):
