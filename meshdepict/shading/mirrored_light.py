@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from meshdepict.scales.space import ScaleSpace
 from meshdepict.scene.environment import Environment
+from meshdepict.shading.company_light import sent_together
 from meshdepict.threads import spans
 
 __all__ = ["FILTER", "Matt", "lobe_blurs", "lobe_height", "mirrored_light"]
@@ -87,6 +88,7 @@ def mirrored_light(
     rays : int
         In the lobe.
     matt : Matt, optional
+        Of a surface by itself all is mirror unless given; of what stands together each says so.
     scaled : a function and a (v,) array, optional
         Light (k, 3) as a mirror of curvature (k,) scales it, and the curvature of the vertices.
 
@@ -97,10 +99,12 @@ def mirrored_light(
     from meshdepict.transport.paths import starting, turning
     from meshdepict.transport.rays import FIRST, RaySet, lifted
 
-    surface, own = space.surface, space.normals_at(0)
-    normals = own if space.at_vertices else surface.normals
-    apart = surface.edge_length / (surface.diagonal or 1.0)
-    bent = np.asarray(space.of_vertices(turning(surface, normals)), np.float32)
+    if space.company is not None:
+        space.company.hear_mirror(space)
+        matt = matt or _beside(space, environment, shadows=shadows, bounces=bounces, rays=rays)
+    surface, own, normals = space.surface, space.normals_at(0), space.surface_normals
+    apart = space.own_surface.edge_length / (surface.diagonal or 1.0)
+    bent = np.asarray(space.of_surface(turning(surface, normals)), np.float32)
     scene = _Mirrors(
         space, environment, normals, apart, 2 * bent * np.float32(apart), roughness, bounces,
         shadows, matt, scaled,
@@ -141,6 +145,20 @@ def lobe_blurs(width: float, rays: int) -> NDArray[np.float64]:
     share = np.minimum((np.arange(rays) + 0.5) / rays, _LAST)
     solid = 2 * math.pi * width**2 / (rays * (1 - share))
     return np.minimum(np.sqrt(_SPREAD * solid), width / 2)
+
+
+def _beside(
+    space: ScaleSpace, environment: Environment, *, shadows: bool, bounces: int, rays: int
+) -> Matt:
+    """Return what is matt of all that stands together, and sends on light of the environment."""
+    company = space.company
+    assert company is not None
+    sent = np.zeros(len(company.surface.vertices), np.float32)
+    if bounces:
+        sent = sent_together(
+            company, [], [environment], shadows=shadows, bounces=bounces, rays=rays
+        )
+    return Matt(company.mirror_faces, sent)
 
 
 def _kept_above(directions: Single, normals: Single) -> Single:

@@ -291,7 +291,7 @@ def radiance_scaling(
 
         on_the_way = None
         if enhance == "all" and bounces and frames is not None and gamma_s:
-            on_the_way = mirrored, bend_of_vertices()
+            on_the_way = mirrored, space.on_surface(bend_of_vertices())
         shown = seen(
             space, light, eye, chosen, frames, warping, shadows=shadows, bounces=bounces,
             rays=used_rays(space, rays or USUAL_RAYS), scaled=on_the_way,

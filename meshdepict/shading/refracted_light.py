@@ -52,7 +52,7 @@ def refracted_light(
     from meshdepict.transport.paths import starting, turning
     from meshdepict.transport.rays import FIRST, RaySet, lifted
 
-    surface, own = space.surface, space.normals_at(0)
+    surface, own = space.own_surface, space.normals_at(0)
     normals = own if space.at_vertices else surface.normals
     points = surface.recentred(space.points)
     lifts = lifted(points, own)
