@@ -14,11 +14,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshdepict.threads import kernel
-from meshdepict.transport.paths import farthest
 from meshdepict.transport.rays import _AHEAD as AHEAD
 from meshdepict.transport.rays import _OFFSET as OFFSET
 from meshdepict.transport.rays import ray_scene
-from meshdepict.transport.walls import walls_of
+from meshdepict.transport.walls import farthest, walls_of
 
 if TYPE_CHECKING:
     from meshdepict.shapes.mesh import Mesh
