@@ -45,7 +45,8 @@ __all__ = [
 class Range:
     """A number in ``[low, high]``; ``soft`` is the part of it that a slider offers.
 
-    Three of them may be a ``place`` on the shape, which viewers take from the pointer.
+    Three of them may be a ``place`` on the shape, which viewers take from the pointer. In place of
+    a number there may be one of a few ``words``, for what is found from the shape and its light.
     """
 
     low: float = -math.inf
@@ -54,9 +55,10 @@ class Range:
     unit: str = ""
     soft: tuple[float, float] | None = None
     place: bool = False
+    words: tuple[str, ...] = ()
 
     def __str__(self) -> str:
-        """Return the range as ``low … high unit``."""
+        """Return the range as ``low … high unit``, and the words after bars."""
         if math.isinf(self.low) and math.isinf(self.high):
             text = "any number"
         elif math.isinf(self.high):
@@ -65,7 +67,7 @@ class Range:
             text = f"≤ {self.high:g}"
         else:
             text = f"{self.low:g} … {self.high:g}"
-        return f"{text} {self.unit}".rstrip()
+        return " | ".join([f"{text} {self.unit}".rstrip(), *self.words])
 
 
 @dataclass(frozen=True)
@@ -126,8 +128,9 @@ class Option:
     """One option of a function: its name, type, default and what it accepts.
 
     An option annotated ``tuple[float, float, float]`` takes three numbers, ``float | tuple[float,
-    ...]`` one or several, as a sequence or as a text such as ``"0.9,0.6"``; ``| None`` lets it be
-    left out. ``count`` is how many numbers: 1, a fixed number, or 0 for any.
+    ...]`` one or several, as a sequence or as a text such as ``"0.9,0.6"``; ``int | str`` also the
+    words of its range; ``| None`` lets it be left out. ``count`` is how many numbers: 1, a fixed
+    number, or 0 for any.
     """
 
     name: str
@@ -306,6 +309,8 @@ def _values(option: Option, value: Any, where: str) -> str | Samples:
 def _number(option: Option, value: Any, where: str) -> Any:
     accepts, name = option.accepts, option.name
     assert isinstance(accepts, Range)
+    if isinstance(value, str) and value in accepts.words:
+        return value
     wanted = f"{where}: {name}={value!r} is not a number in its range ({accepts})"
     try:
         number = real(float(value) if isinstance(value, str) else value)

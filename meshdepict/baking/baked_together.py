@@ -19,6 +19,14 @@ __all__ = ["BakedTogether"]
 class BakedTogether(Sequence[Baked]):
     """Bakes of objects that stand together, in the order in which they were given.
 
+    Parameters
+    ----------
+    bakes : sequence of Baked
+    shown : sequence of Baked
+        What pictures show: these, but for mirrors, and the ground.
+    view : View
+    ground : Baked, optional
+
     Attributes
     ----------
     scene : Baked
@@ -30,18 +38,17 @@ class BakedTogether(Sequence[Baked]):
     def __init__(
         self,
         bakes: Sequence[Baked],
-        surface: JoinedMesh,
+        shown: Sequence[Baked],
         view: View,
         *,
         ground: Baked | None = None,
     ) -> None:
         self._bakes, self.ground = tuple(bakes), ground
-        shown = [*bakes, *([] if ground is None else [ground])]
         facts = dict(bakes[0].provenance)
         if len(bakes) > 1:
             facts["objects"] = str(len(bakes))
         self.scene = Baked(
-            surface,
+            JoinedMesh([baked.mesh for baked in shown]),
             _one_below_another([baked.intensity for baked in shown]),
             np.concatenate([baked.colors for baked in shown]),
             facts, view, look=bakes[0].look,

@@ -30,6 +30,7 @@ from meshdepict.scene.names import Lighting, LightsLike, as_light, as_lighting, 
 from meshdepict.scene.upright import upright
 from meshdepict.scene.view import View
 from meshdepict.shading.method import LIGHT
+from meshdepict.shading.sampled import AUTO_RAYS
 
 if TYPE_CHECKING:
     import numpy as np
@@ -100,8 +101,11 @@ class Choices(ChoiceList):
             raise MeshdepictError(f"z_factor={self.z_factor!r} is not a number above 0 up to 1e6")
         if not isinstance(self.sampling, str) or self.sampling not in SAMPLINGS:
             raise MeshdepictError(f"sampling={self.sampling!r} is neither 'lobes' nor 'lights'")
-        if self.ground is not None and not (isinstance(self.ground, str) and self.ground == "matt"):
-            raise MeshdepictError(f"ground={self.ground!r} is neither 'matt' nor None")
+        grounds = ("matt", "mirror")
+        if self.ground is not None and not (
+            isinstance(self.ground, str) and self.ground in grounds
+        ):
+            raise MeshdepictError(f"ground={self.ground!r} is neither 'matt' nor 'mirror'")
         if not isinstance(self.two_sided, bool):
             raise MeshdepictError(f"two_sided={self.two_sided!r} is neither True nor False")
 
@@ -159,10 +163,12 @@ class Choices(ChoiceList):
 
     def with_settled(self, looks: Iterable[Choices]) -> Self:
         """Return these choices with what its layers' looks, in their order, found of a shape."""
-        layers = [
-            layer.replace(options={**layer.options, **look.fitted}) if look.fitted else layer
-            for layer, look in zip(self.layers, looks, strict=True)
-        ]
+        layers = []
+        for layer, look in zip(self.layers, looks, strict=True):
+            found = dict(look.fitted)
+            if self.of_layer(layer).options.get("rays") == AUTO_RAYS:
+                found["rays"] = look.options["rays"]
+            layers.append(layer.replace(options={**layer.options, **found}) if found else layer)
         same = all(new is old for new, old in zip(layers, self.layers, strict=True))
         return self if same else self.replace(blend=tuple(layers))
 
@@ -275,6 +281,19 @@ class Choices(ChoiceList):
             return self.with_settled(each.settled(space) for each in looks)
         fits = self.declared.fits
         return self if fits is None else self.replace(**fits(space, self._every_option))
+
+    def with_rays(self, space: ScaleSpace, light: LightsLike, view: View) -> Self:
+        """Return these choices with the number of rays that "auto" comes to under a light.
+
+        The space's ``light_errors.found`` says why it is that one. Where nothing goes by rays,
+        "auto" stays.
+        """
+        space.light_errors.found = None
+        if self._every_option.get("rays") != AUTO_RAYS:
+            return self
+        self.shade(space, light, view)
+        found = space.light_errors.found
+        return self if found is None else self.replace(rays=found.rays)
 
     @property
     def fitted(self) -> dict[str, Any]:

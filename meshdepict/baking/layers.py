@@ -80,6 +80,15 @@ class Layered:
         self.looks = [each.settled(spaces[its]) for each, its in pairs]
         return self.look.with_settled(self.looks)
 
+    def find_rays(self, spaces: Mapping[Ladder, ScaleSpace], eye: View) -> Choices:
+        """Find how many rays each takes that has as many as it takes; return the look with them."""
+        found = []
+        for each, its in zip(self.looks, self.ladders, strict=True):
+            space = spaces[its]
+            found.append(each.with_rays(space, each.lighting(eye, space.shape.kind), eye))
+        self.looks = found
+        return self.look.with_settled(self.looks)
+
     def values(self, spaces: Mapping[Ladder, ScaleSpace], eye: View) -> NDArray[np.float32]:
         """Return the display values (n,) or (n, 3) of all layers, one laid upon the other."""
 
@@ -116,7 +125,8 @@ def shade_layers(
     for ladder in dict.fromkeys(layered.ladders):
         space = spaces[ladder] = make(*ladder)
         space.smooth(layered.reads(ladder, space.last).sets, progress=progress)
-    settled = layered.settle(spaces)
+    layered.settle(spaces)
+    settled = layered.find_rays(spaces, eye)
     return Blend(layered.values(spaces, eye), spaces[max(spaces)], settled)
 
 

@@ -13,6 +13,7 @@ from meshdepict.baking.baked_together import BakedTogether
 from meshdepict.baking.choice_list import AUTO, MESH
 from meshdepict.baking.choices import Choices
 from meshdepict.baking.chosen_normals import sides_of
+from meshdepict.baking.mirror_ground import mirrored, mirrored_picture
 from meshdepict.baking.sampling import Place, sampled
 from meshdepict.baking.surfaces import (
     as_surface,
@@ -102,24 +103,27 @@ def bake_objects(
         look = each.look if number < len(meshes) else _as_settled(each.look, bakes[0])
         with _named(number + 1, len(shapes)):
             bakes.append(bake_surface(each.mesh, look, place=each.place, progress=progress))
+    shown = list(bakes)
+    for number, baked in enumerate(bakes):
+        if isinstance(baked.shape, GroundPlane) and baked.shape.mirror:
+            shown[number] = mirrored_picture(baked, bakes)
+            bakes[number] = mirrored(baked, bakes)
     for number, baked in enumerate(bakes):
         others = [mesh.identity for other, mesh in enumerate(meshes) if other != number]
         if others:
             baked.provenance["together"] = f"with {'; '.join(others)}"
         if looks[0].ground is not None:
             baked.provenance["ground"] = looks[0].ground
-    surface = company.surface
-    if any(look.refine is not None for look in looks):
-        surface = JoinedMesh([baked.mesh for baked in bakes])
     ground = None if looks[0].ground is None else bakes.pop()
-    return BakedTogether(bakes, surface, eye, ground=ground)
+    return BakedTogether(bakes, shown, eye, ground=ground)
 
 
 def scene_meshes(meshes: Sequence[Mesh], look: Choices) -> list[Mesh]:
     """Return the meshes of a scene: objects, and the ground if a look with an up has one."""
     if look.ground is None:
         return [*meshes]
-    return [*meshes, ground_under(meshes, up=look.axis(MESH))]
+    ground = ground_under(meshes, up=look.axis(MESH), mirror=look.ground == "mirror")
+    return [*meshes, ground]
 
 
 def _mesh(shape: object, look: Choices) -> Mesh:
@@ -197,6 +201,8 @@ def _rehearse(one: _Object, progress: Progress | None) -> None:
 
     Of a blend the lowest layer speaks that has a matt material.
     """
+    if isinstance(one.mesh, GroundPlane) and one.mesh.mirror:
+        return  # it sends no light to every side
     look = one.look.of_kind(MESH).replace(**sides_of(one.mesh))
     layers = [look.of_layer(layer).of_kind(MESH) for layer in reversed(look.layers)] or [look]
     speaks = next((each for each in layers if "bounces" in options_of(each.function)), None)

@@ -181,7 +181,7 @@ def _of_kind(
     if isinstance(shape, Mesh):
         from meshdepict.sums.gaussian import predicted_seconds
 
-        channels = 10 if look.facing else 4
+        channels = 9 if look.facing else 4
 
         def of_mesh(scale: int) -> float:
             width = max(float(widths[scale]) / (shape.diagonal or 1.0), 1e-18)

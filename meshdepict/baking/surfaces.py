@@ -17,6 +17,7 @@ from meshdepict.baking.choice_list import LADDER, choice_fields
 from meshdepict.baking.choices import Choices
 from meshdepict.baking.chosen_normals import refuse_other_sides, sides_of, with_chosen_normals
 from meshdepict.baking.clipping import warn_of_clipping
+from meshdepict.baking.discs import warn_of_disc
 from meshdepict.baking.layers import shade_layers
 from meshdepict.baking.provenance import describe, was_baked
 from meshdepict.baking.sampling import Place, sampled
@@ -58,6 +59,22 @@ def bake_surface(
     progress : callable, optional
         ``progress(done, total)``.
     """
+    told: list[ScaleSpace] = []
+    try:
+        return _bake_surface(shape, look, place, progress, told)
+    finally:
+        for space in told:
+            space.progress = None
+
+
+def _bake_surface(
+    shape: object,
+    look: Choices,
+    place: Place | None,
+    progress: Progress | None,
+    told: list[ScaleSpace],
+) -> Baked:
+    """Do what `bake_surface` does; ``told`` are those that know whom to tell how far they are."""
     made = isinstance(shape, ScaleSpace)
     mesh = as_surface(shape.shape if made else shape)  # type: ignore[attr-defined]
     kind = mesh.kind
@@ -93,14 +110,17 @@ def bake_surface(
 
     def make(scales: int, ratio: float) -> ScaleSpace:
         if not isinstance(shape, ScaleSpace):
-            return sampled(mesh, look, eye, (scales, ratio), tints=tints, place=place)
-        if tints is None:
-            return shape
-        tinted = copy.copy(shape)  # others go on using that one
-        tinted.tints = tints
-        return tinted
+            space = sampled(mesh, look, eye, (scales, ratio), tints=tints, place=place)
+        elif tints is None:
+            space = shape
+        else:
+            space = copy.copy(shape)  # others go on using that one
+            space.tints = tints
+        space.progress = progress
+        told.append(space)
+        return space
 
-    blend = None
+    blend, found = None, None
     if look.blend is not None:
         seen = chosen.replace(view=look.view, up=look.up)
         blend = shade_layers(seen, kind, eye, make, progress=progress)
@@ -108,7 +128,11 @@ def bake_surface(
     else:
         space = make(scales, ratio)
         space.smooth(look.reads(space.last).sets, progress=progress)
-        look = look.settled(space)
+        asked = look.settled(space)
+        look = asked.with_rays(space, lamp, eye)
+        found = None if look is asked else space.light_errors.found
+    if not made and blend is None:
+        warn_of_disc(look, lamp)
     level = isinstance(mesh, GroundPlane)  # which many views see edge-on
     if not (made or look.two_sided or level):  # viewers turn what they show
         warn_of_backs(space.points, space.normals_at(0), eye)
@@ -144,6 +168,8 @@ def bake_surface(
     if own is not None:
         colors = color.multiply_albedo(colors / np.float32(255), own, linear=False)
     provenance = describe(look, space, light=lamp)
+    if found is not None:
+        provenance["rays auto"] = str(found)
     if look.refine is not None and isinstance(mesh, Mesh):
         provenance["refined"] = f"to {look.refine:g} grey levels, {len(mesh.faces)} triangles"
     if blend is None:
@@ -267,20 +293,39 @@ def surface_tints(
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # about colours of faces: said where they are shown
             mesh = shape.mesh
-            found = None if mesh is None else vertex_colors(mesh, baked=was_baked(mesh))
+            try:
+                found = None if mesh is None else _mesh_colors(mesh)
+            except MeshdepictError:
+                found = None
     if found is None:
         return None
     return np.asarray(color.srgb_to_linear(found / np.float32(255)), np.float32)
 
 
 def _mesh_colors(mesh: Mesh) -> NDArray[np.uint8]:
-    """Return the mesh's own vertex colours; those a former bake set aside come first."""
+    """Return the mesh's own colours at its vertices: theirs, else its textures', else its faces'.
+
+    Those that a former bake set aside come first. In glTF a texture is multiplied by the vertices'.
+    """
+    from meshdepict.shapes.texture_colors import texture_colors
+
     baked = was_baked(mesh)
-    found = vertex_colors(mesh, baked=baked)
+    found = vertex_colors(mesh, baked=baked, faces=False)
+    tinted = found is not None and mesh.textures is not None and mesh.textures.tinted
+    if found is None or tinted:
+        try:
+            painted = texture_colors(mesh)
+        except MeshdepictError as error:
+            raise MeshdepictError(f"albedo='keep' needs what can't be had: {error}") from error
+        if painted is not None and found is not None:
+            return color.multiply_albedo(painted / np.float32(255), found, linear=False)
+        found = painted if found is None else found
+    if found is None:
+        found = vertex_colors(mesh, baked=baked)
     if found is None:
         raise MeshdepictError(
-            "albedo='keep' needs the object's own vertex colours (red, green, blue); the mesh has "
-            + ("only those of a former bake" if baked else "none")
+            "albedo='keep' needs the object's own vertex colours (red, green, blue) or a texture; "
+            "the mesh has " + ("only those of a former bake" if baked else "none")
         )
     return found
 

@@ -13,8 +13,10 @@ from meshdepict.scales.space import ScaleSpace
 
 if TYPE_CHECKING:
     from meshdepict.curvature.principal import PrincipalCurvatures
+    from meshdepict.scene.light import Light
     from meshdepict.shapes.height_field import HeightField
     from meshdepict.shapes.mesh import Mesh
+    from meshdepict.transport.retraced import Retraced
     from meshdepict.transport.transfer import Transfer
 
 __all__ = ["ChosenSamples"]
@@ -88,9 +90,13 @@ class ChosenSamples(ScaleSpace):
         """That of the whole."""
         return self._whole.vertex_space
 
-    def transport(self, rays: int = 64) -> Transfer:
+    def transport(self, rays: int = 64) -> Transfer | Retraced:
         """Return where the rays of the whole go."""
         return self._whole.transport(rays)
+
+    def seen_from_vertices(self, lights: Sequence[Light]) -> tuple[NDArray[np.float32], ...]:
+        """Return what the vertices see, as the whole knows."""
+        return self._whole.seen_from_vertices(lights)
 
     def _smoother(self) -> Fill:
         def fill(

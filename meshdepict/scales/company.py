@@ -9,11 +9,13 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from meshdepict.scales.ladder import Progress
 from meshdepict.shapes.joined import JoinedMesh
 
 if TYPE_CHECKING:
     from meshdepict.shapes.mesh import Mesh
-    from meshdepict.transport.transfer import Transfer
+    from meshdepict.transport.retraced import Retraced
+    from meshdepict.transport.transfer import Leaving, Transfer
 
 __all__ = ["Company", "Rehearsed", "Sending"]
 
@@ -72,7 +74,7 @@ class Company:
         self.sendings: dict[int, Sending] = {}
         self._normals: list[NDArray[Any]] = [mesh.normals for mesh in meshes]
         self._listening = False
-        self._transfers: dict[tuple[int, int], Transfer] = {}
+        self._transfers: dict[tuple[int, int], Transfer | Retraced] = {}
         self._kept: tuple[Any, Any] = None, None
 
     @contextmanager
@@ -96,20 +98,31 @@ class Company:
             self._normals[space.member] = space.normals_at(0)
         raise Rehearsed
 
-    def transport(self, rays: int, member: int) -> Transfer:
+    def transport(
+        self, rays: int, member: int, *, progress: Progress | None = None
+    ) -> Transfer | Retraced:
         """Return where rays from the vertices of an object go; traced once."""
+        from meshdepict.transport.transfer import USUAL
+
         if (rays, member) not in self._transfers:
-            self._transfers[rays, member] = self.traced(rays, member)
+            found = self.traced(rays, member, USUAL, progress=progress)
+            self._transfers[rays, member] = found
         return self._transfers[rays, member]
 
-    def traced(self, rays: int, member: int, **how: Any) -> Transfer:
-        """Trace rays from the vertices of an object; see `ScaleSpace.traced`."""
-        from meshdepict.transport.transfer import traced_transfer
+    def traced(
+        self, rays: int, member: int, how: Leaving, *, progress: Progress | None = None
+    ) -> Transfer | Retraced:
+        """Return where rays from the vertices of an object go; see `ScaleSpace.traced`."""
+        from meshdepict.transport.retraced import transfer_of
 
-        return traced_transfer(
+        return transfer_of(
             self.surface, normals=np.concatenate(self._normals), rays=rays,
-            part=self.surface.parts[member], **how,
+            part=self.surface.parts[member], how=how, progress=progress,
         )  # fmt: skip
+
+    def places(self, member: int) -> tuple[NDArray[Any], NDArray[Any]]:
+        """Return where the vertices of an object are, in the unit frame of all, and normals."""
+        return self.surface.unit_points[self.surface.parts[member]], self._normals[member]
 
     def once(self, key: Any, find: Callable[[], Any]) -> Any:
         """Return what was found for a key, or find it; of the last key it is kept."""

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from meshdepict.errors import MeshdepictError
 from meshdepict.scales.ladder import Progress
 from meshdepict.scales.normal_sets import Fill
-from meshdepict.scales.patches import patch_sums
+from meshdepict.scales.patches import PatchSums
 from meshdepict.scales.smoothing import NormalSums
 from meshdepict.scales.space import ScaleSpace
 from meshdepict.shapes.mesh import Mesh
@@ -102,7 +102,7 @@ class MeshSpace(ScaleSpace):
         scaled = max(width / (self.shape.diagonal or 1.0), 1e-18)
         channels = np.stack([mass, mass * values])
         patches = getattr(self.shape, "patches", None)
-        sums = patch_sums(patches, self.unit_points, channels, scaled, error=_ERROR)
+        sums = PatchSums(patches, self.unit_points, channels).at(scaled, error=_ERROR)
         some = sums[0] > 0
         return np.where(some, sums[1] / np.where(some, sums[0], 1), values)
 
@@ -111,7 +111,9 @@ class MeshSpace(ScaleSpace):
         return values
 
     def _smoother(self) -> Fill:
-        sums = NormalSums(self.shape, self.facing, self.tolerance, corner_normals=self._corners)
+        sums = NormalSums(
+            self.shape, self.facing, self.tolerance, self.widths[1:], corner_normals=self._corners
+        )
 
         def finer(scale: int) -> NDArray[Any]:
             known, normals = self._coarsest

@@ -16,6 +16,8 @@ if TYPE_CHECKING:
     from meshdepict.scene.view import View
     from meshdepict.shapes.height_field import HeightField
     from meshdepict.shapes.mesh import Mesh
+    from meshdepict.transport.retraced import Retraced
+    from meshdepict.transport.transfer import Transfer
 
 __all__ = ["SeenSide", "towards_eye"]
 
@@ -52,9 +54,24 @@ class SeenSide(ScaleSpace):
             facing=source.facing, tolerance=source.tolerance,
         )  # fmt: skip
         self.at_vertices = source.at_vertices
-        self.light_errors = source.light_errors
+        self.light_errors, self.progress = source.light_errors, source.progress
         self.tints = source.tints
         self.company, self.member = source.company, source.member
+        self._share_rays()
+
+    def _share_rays(self) -> None:
+        """Take over what was traced of the same sides: the source's, or the last that were seen."""
+        source, turned = self.source, np.packbits(self.turned).tobytes()
+        if not self.turned.any():
+            self._transfers, self._lights_seen = source._transfers, source._lights_seen
+        elif source._sides_seen is not None and source._sides_seen[0] == turned:
+            _, self._transfers, self._lights_seen = source._sides_seen
+        else:
+            source._sides_seen = turned, self._transfers, self._lights_seen
+
+    def transport(self, rays: int = 64) -> Transfer | Retraced:
+        """Return where rays from the vertices go: of other samples those of the source's."""
+        return super().transport(rays) if self.at_vertices else self.source.transport(rays)
 
     def typical(self) -> ScaleSpace:
         """Return the samples of the whole."""

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from meshdepict.scales.patches import patch_sums
+from meshdepict.scales.patches import PatchSums
 from meshdepict.surface.triangles import mixed_voronoi_areas
 
 if TYPE_CHECKING:
@@ -22,7 +22,7 @@ _LEAST_RESULTANT = 1e-3
 # … and that below this one the direction is meaningless and the next finer normal is kept.
 _NO_RESULTANT = 1e-6
 
-_SYMMETRIC = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
+_SYMMETRIC = ((0, 0), (1, 1), (0, 1), (0, 2), (1, 2), (2, 2))
 
 
 class NormalSums:
@@ -33,32 +33,48 @@ class NormalSums:
         mesh: Mesh,
         facing: int,
         tolerance: float,
+        widths: Iterable[float] = (),
         *,
         corner_normals: NDArray[np.float64] | None = None,
     ) -> None:
-        self.points = mesh.unit_points
-        self.patches = getattr(mesh, "patches", None)  # beyond a crease is another surface
         self.unit = mesh.diagonal or 1.0
         self.facing = facing
         self.tolerance = tolerance
+        self.points, self.channels = mesh.unit_points, self._channels(mesh, corner_normals)
+        patches = getattr(mesh, "patches", None)  # beyond a crease is another surface
+        scaled = [self._scaled(width) for width in widths]
+        self._sums = PatchSums(patches, self.points, self.channels, scaled)
+
+    def _channels(
+        self, mesh: Mesh, corner_normals: NDArray[np.float64] | None
+    ) -> NDArray[np.float64]:
+        """Return what is summed, (c, n)."""
         if corner_normals is None:
             areas = mesh.unit_areas / (mesh.unit_areas.max() or 1.0)
-            self.channels = np.array(self._moments(areas, mesh.normals.T))
-            return
+            return np.array(self._moments(areas, mesh.normals.T))
         # What lies round a vertex on several sides of a crease counts with the normals of all.
-        points, apart = self.points[mesh.faces.ravel()], np.arange(mesh.faces.size).reshape(-1, 3)
+        points, apart = (
+            mesh.unit_points[mesh.faces.ravel()],
+            np.arange(mesh.faces.size).reshape(-1, 3),
+        )
         areas = mixed_voronoi_areas(points, apart)
         moments = self._moments(areas, corner_normals.reshape(-1, 3).T)
-        at, count = mesh.faces.ravel(), len(self.points)
-        self.channels = np.array([np.bincount(at, moment, minlength=count) for moment in moments])
-        self.channels /= self.channels[0].max() or 1.0
+        at, count = mesh.faces.ravel(), len(mesh.vertices)
+        channels = np.array([np.bincount(at, moment, minlength=count) for moment in moments])
+        channels /= channels[0].max() or 1.0
+        return channels
+
+    def _scaled(self, width: float) -> float:
+        # Narrower than any two distinct positions can be apart, a Gaussian is a single point.
+        return max(float(width) / self.unit, 1e-18)
 
     def _moments(
         self, areas: NDArray[np.float64], n: NDArray[np.float64]
     ) -> list[NDArray[np.float64]]:
         """Return what is to be summed: A, A n and, for facing, A n nᵀ, of normals (3, n)."""
-        # F is linear in r·n_j: facing needs the second moments Σ A G n nᵀ and nothing else.
-        second = [areas * n[a] * n[b] for a, b in _SYMMETRIC] if self.facing else []
+        # F is linear in r·n_j: facing needs the second moments Σ A G n nᵀ and nothing else. Their
+        # trace is Σ A G.
+        second = [areas * n[a] * n[b] for a, b in _SYMMETRIC[:-1]] if self.facing else []
         return [areas, *(areas * n), *second]
 
     def direction(
@@ -74,10 +90,9 @@ class NormalSums:
         """
         # A first pass for resultants that are a fair share of the mass …
         error = self.tolerance / 4
-        # Narrower than any two distinct positions can be apart, a Gaussian is a single point.
-        scaled = max(width / self.unit, 1e-18)
+        scaled = self._scaled(width)
         reference = finer() if self.facing else None
-        sums = patch_sums(self.patches, self.points, self.channels, scaled, error=error, done=done)
+        sums = self._sums.at(scaled, error=error, done=done)
         vector, mass = self._resultant(sums, reference)
         length = np.linalg.norm(vector, axis=0)
         # … and a second for those that cancel: there the sums must be that much finer.
@@ -86,10 +101,8 @@ class NormalSums:
         weak = some & (error > self.tolerance * share)
         if weak.any():
             narrower = float(self.tolerance * share[weak].min())
-            again = patch_sums(
-                self.patches, self.points, self.channels, scaled,
-                error=narrower, targets=weak, heaviest=float(sums[0].max()),
-            )  # fmt: skip
+            heaviest = float(sums[0].max())
+            again = self._sums.at(scaled, error=narrower, targets=weak, heaviest=heaviest)
             vector = vector.astype(np.float64)
             along = None if reference is None else reference[:, weak]
             v, mass[weak] = self._resultant(again[:, weak], along)
@@ -110,7 +123,7 @@ class NormalSums:
         if reference is None:
             return m1.copy(), mass.copy()
         vector = m1.copy()
-        for row, (a, b) in zip(sums[4:], _SYMMETRIC, strict=True):
+        for row, (a, b) in zip((*sums[4:], mass - sums[4] - sums[5]), _SYMMETRIC, strict=True):
             vector[a] += row * reference[b]
             if a != b:
                 vector[b] += row * reference[a]

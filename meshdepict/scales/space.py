@@ -12,12 +12,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshdepict.errors import MeshdepictError
-from meshdepict.scales.ladder import FACING, TOLERANCE
+from meshdepict.scales.ladder import FACING, TOLERANCE, Progress
+from meshdepict.scales.light_errors import LightErrors
 from meshdepict.scales.relief_samples import ReliefSamples
+from meshdepict.scales.seen_lights import SeenLights
 from meshdepict.scene.shape import one_of
 from meshdepict.shapes.table import html_table
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from meshdepict.curvature.principal import PrincipalCurvatures
     from meshdepict.curvature.view import ViewCurvature
     from meshdepict.scales.company import Company
@@ -27,7 +31,8 @@ if TYPE_CHECKING:
     from meshdepict.shapes.mesh import Mesh
     from meshdepict.transport.occlusion import Openness
     from meshdepict.transport.rays import Steps
-    from meshdepict.transport.transfer import Transfer
+    from meshdepict.transport.retraced import Retraced
+    from meshdepict.transport.transfer import Leaving, Transfer
 
 __all__ = ["ScaleSpace"]
 
@@ -60,7 +65,7 @@ class ScaleSpace(ReliefSamples):
         What the sums were made with; see `scale_space`.
     at_vertices : bool
         Whether the samples are the vertices of the surface, in their order.
-    light_errors : {int: float}
+    light_errors : LightErrors
         By the number of rays, root mean square error in grey levels of the last light that was
         sampled: discs, the sky and bounces.
     tints : (v, 3) array of float32, optional
@@ -68,6 +73,8 @@ class ScaleSpace(ReliefSamples):
         None: white.
     company, member : Company, int
         What else stands where rays go, and which of them this is of; None where it is alone.
+    progress : callable, optional
+        ``progress(done, total)``, whom rays tell how far they are.
     """
 
     at_vertices = False
@@ -97,9 +104,14 @@ class ScaleSpace(ReliefSamples):
         self._creases: dict[int, NDArray[np.float32]] = {}
         self._seen: dict[tuple[int, float], tuple[tuple[Any, ...], ViewCurvature]] = {}
         self._openness: dict[int, Openness] = {}
-        self._transfers: dict[int, Transfer] = {}
+        self._transfers: dict[int, Transfer | Retraced] = {}
         self._kept: dict[str, tuple[tuple[Any, ...], Any]] = {}
-        self.light_errors: dict[int, float] = {}
+        self._lights_seen: list[SeenLights] = []  # one, once it is asked for
+        self._sides_seen: tuple[bytes, dict[int, Transfer | Retraced], list[SeenLights]] | None = (
+            None
+        )
+        self.progress: Progress | None = None
+        self.light_errors = LightErrors()
 
     @property
     def points(self) -> NDArray[np.float64]:
@@ -145,16 +157,20 @@ class ScaleSpace(ReliefSamples):
         if seen is not None and former == sight:
             return seen
         normals = self.normals_at(scale)
-        if scale not in self._creases:
-            self._creases[scale] = self._turns(scale)
         seen = view_tensor(
-            self.points, normals, self.curvature(scale), self._creases[scale], eye,
+            self.points, normals, self.curvature(scale), self.crease_cosines(scale), eye,
             foreshortening=foreshortening,
         )  # fmt: skip
         for array in seen:
             array.setflags(write=False)
         self._seen[scale, foreshortening] = sight, seen
         return seen
+
+    def crease_cosines(self, scale: int) -> NDArray[np.float32]:
+        """Return the least cosine (n,) between a sample's normal and its neighbours'; kept."""
+        if scale not in self._creases:
+            self._creases[scale] = self._turns(scale)
+        return self._creases[scale]
 
     def occlusion(self, rays: int = 256) -> NDArray[np.float32]:
         """Return the share of the light from all around that reaches each sample; computed once.
@@ -199,10 +215,11 @@ class ScaleSpace(ReliefSamples):
             "bounces=0 and give lights in place of an environment"
         )
 
-    def transport(self, rays: int = 64) -> Transfer:
+    def transport(self, rays: int = 64) -> Transfer | Retraced:
         """Return where rays from the vertices of the surface go; traced once.
 
-        With `bounced` it tells any light that goes from surface to surface.
+        With `bounced` it tells any light that goes from surface to surface. Where the memory that
+        is allowed doesn't hold them, they are traced again for every sum.
 
         Raises
         ------
@@ -210,32 +227,47 @@ class ScaleSpace(ReliefSamples):
             For a number of rays beyond 2 … 65536, and for samples that are no part of a surface.
         """
         if self.company is not None:
-            return self.company.transport(rays, self.member)
+            return self._told(self.company.transport(rays, self.member, progress=self.progress))
         if rays not in self._transfers:
             self._transfers[rays] = self.traced(rays)
-        return self._transfers[rays]
+        return self._told(self._transfers[rays])
 
-    def traced(self, rays: int, **how: Any) -> Transfer:
-        """Trace rays from the vertices of the surface, of which they are not kept.
+    def traced(self, rays: int, how: Leaving | None = None) -> Transfer | Retraced:
+        """Return where rays from the vertices of the surface go, traced anew; see `transport`.
 
         Parameters
         ----------
         rays : int
-        **how
-            ``height`` and ``bend`` of `transport.transfer.traced_transfer`: how they leave.
+        how : Leaving, optional
+            How they leave: cosine-weighted unless given.
 
         Raises
         ------
         MeshdepictError
             As for `transport`.
         """
-        from meshdepict.transport.transfer import traced_transfer
+        from meshdepict.transport.retraced import transfer_of
+        from meshdepict.transport.transfer import USUAL
 
+        leaving = USUAL if how is None else how
         if self.company is not None:
-            return self.company.traced(rays, self.member, **how)
+            return self.company.traced(rays, self.member, leaving, progress=self.progress)
         surface = self.surface
         normals = self.normals_at(0) if self.at_vertices else surface.normals
-        return traced_transfer(surface, normals=normals, rays=rays, **how)
+        return transfer_of(surface, normals=normals, rays=rays, how=leaving, progress=self.progress)
+
+    def traced_once(
+        self, name: str, key: tuple[Any, ...], rays: int, how: Callable[[], Leaving]
+    ) -> Transfer | Retraced:
+        """Return where rays of a method's own go, kept as `kept` does."""
+        found: Transfer | Retraced = self.kept(name, (rays, *key), lambda: self.traced(rays, how()))
+        return self._told(found)
+
+    def _told(self, found: Transfer | Retraced) -> Transfer | Retraced:
+        """Let rays that are traced again know whom to tell how far they are."""
+        if hasattr(found, "progress"):
+            found.progress = self.progress
+        return found
 
     def kept(self, name: str, key: tuple[Any, ...], find: Callable[[], Any]) -> Any:
         """Return what a method found here before, or finds anew where its key is another.
@@ -276,12 +308,28 @@ class ScaleSpace(ReliefSamples):
         from meshdepict.transport.rays import FIRST
         from meshdepict.transport.shadows import seen_share
 
+        if at is None and self.at_vertices and not light.spread:
+            return self.seen_from_vertices([light])[0]
         surface = self.surface
         places = (surface.recentred(self.points), self.normals_at(0)) if at is None else at
         return seen_share(
             surface, light.direction, at=places, spread=light.spread, rays=rays,
             steps=FIRST if steps is None else steps,
         )  # fmt: skip
+
+    def seen_from_vertices(self, lights: Sequence[Light]) -> tuple[NDArray[np.float32], ...]:
+        """Return which share (v,) of each light the vertices of the surface see: 0 or 1.
+
+        Each light is one direction. The last ones are kept.
+        """
+        if not self._lights_seen:
+            surface = self.surface
+            points, normals = surface.unit_points, surface.normals
+            if self.company is not None:
+                points, normals = self.company.places(self.member)
+            own = self.normals_at(0) if self.at_vertices else normals
+            self._lights_seen.append(SeenLights(surface, (points, own)))
+        return self._lights_seen[0].shares(lights)
 
     def typical(self) -> ScaleSpace:
         """Return samples from which numbers that follow the shape are found: all, mostly.

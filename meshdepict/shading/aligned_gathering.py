@@ -21,6 +21,7 @@ from meshdepict.transport.rays import half_even
 if TYPE_CHECKING:
     from meshdepict.scene.light import Light
     from meshdepict.shading.weighed_transfer import WeighedTransfer
+    from meshdepict.transport.retraced import Retraced
     from meshdepict.transport.transfer import Transfer
 
 __all__ = ["Alignment", "weighed"]
@@ -61,13 +62,11 @@ class Alignment(NamedTuple):
         turned = align_chain(self.planes, light.direction, self.strengths, self.sharpness)
         return np.asarray(np.maximum((self.planes[0] * turned).sum(axis=0), 0), np.float32)
 
-    def traced(self, space: ScaleSpace, rays: int) -> Transfer:
+    def traced(self, space: ScaleSpace, rays: int) -> Transfer | Retraced:
         """Return rays of which half are evenly spread."""
-        vertices = space.vertex_space
-        found: Transfer = vertices.kept(
-            "even rays", (rays,), lambda: vertices.traced(rays, height=half_even)
-        )
-        return found
+        from meshdepict.transport.transfer import Leaving
+
+        return space.vertex_space.traced_once("even rays", (), rays, lambda: Leaving(half_even))
 
     def along(self, transfer: Transfer, *, again: bool = False) -> WeighedTransfer:
         """Return the rays, each as much as it counts once it is aligned."""

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from meshdepict.scene.environment import Environment
 from meshdepict.scene.light import Light
 from meshdepict.shading.gathering import Gathers
-from meshdepict.transport.radiosity import bounced
+from meshdepict.transport.radiosity import sent_on
 from meshdepict.transport.shadows import seen_share
 
 if TYPE_CHECKING:
@@ -101,8 +101,7 @@ def _sent(
     for part, direct, albedo in starts:
         light[part] = direct[:, None] if direct.ndim < light.ndim else direct
         reflected[part] = albedo
-    _, sent = bounced(_Together(parts, count), light, albedo=reflected, bounces=bounces)
-    return sent
+    return sent_on(_Together(parts, count), light, albedo=reflected, bounces=bounces)
 
 
 class _Together:

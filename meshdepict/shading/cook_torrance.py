@@ -20,16 +20,18 @@ from meshdepict.shading.method import Exposure, exposed, method
 from meshdepict.shading.reached import (
     USUAL_RAYS,
     Bounces,
+    Denoise,
     LightRays,
     Shadows,
     ray_count,
     reached,
 )
+from meshdepict.shading.sampled import used_rays
 
 __all__ = ["cook_torrance"]
 
 
-def _reads(last: int, *, shadows: bool, bounces: int, rays: int, **_: Any) -> Reads:
+def _reads(last: int, *, shadows: bool, bounces: int, rays: int | str, **_: Any) -> Reads:
     count = ray_count(shadows=shadows, bounces=bounces, rays=rays)
     return Reads(normals=frozenset((0,)), rays=count)
 
@@ -52,6 +54,7 @@ def cook_torrance(
     shadows: Shadows = False,
     bounces: Bounces = 0,
     rays: LightRays = USUAL_RAYS,
+    denoise: Denoise = 0.0,
     exposure: Exposure = 1.0,
 ) -> NDArray[np.float32]:
     """Shade by Beckmann's microfacets over a diffuse base: highlights of rough metal or glaze.
@@ -74,7 +77,8 @@ def cook_torrance(
         return linear_to_srgb(exposed(base * arriving, exposure))
 
     reach = reached(
-        space, lamps, environments, shadows=shadows, bounces=bounces, rays=rays, albedo=base,
+        space, lamps, environments, shadows=shadows, bounces=bounces, rays=rays, denoise=denoise,
+        albedo=base,
         shown=shown,
     )  # fmt: skip
     shaded = hidden_direct(
@@ -85,6 +89,6 @@ def cook_torrance(
         reach,
         environments=environments,
         count=lights,
-        rays=rays,
+        rays=used_rays(space, rays),
     )
     return exposed(shaded, exposure)

@@ -84,6 +84,8 @@ def _usual(name: str, lights: str, option: Option | None) -> str:
     else:
         number = option.kind.__name__
         kind = {1: number, 0: f"{number} or several"}.get(option.count, f"{option.count} {number}s")
+        if accepts.words:
+            kind += " or " + ", ".join(f'"{word}"' for word in accepts.words)
     said = option.help
     if said[:2].isascii() and said[:2].isalpha():  # a word, and no formula
         said = said[0].upper() + said[1:]

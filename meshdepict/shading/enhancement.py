@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from meshdepict.scales.space import ScaleSpace
     from meshdepict.scene.light import Light
     from meshdepict.shading.scaled_transfer import ScaledTransfer
+    from meshdepict.transport.retraced import Retraced
     from meshdepict.transport.transfer import Transfer
 
 __all__ = ["Enhancement"]
@@ -51,7 +52,7 @@ class Enhancement(NamedTuple):
         plainly = PLAIN.falls(normals, light)
         return plainly * self.factor(plainly)
 
-    def traced(self, space: ScaleSpace, rays: int) -> Transfer:
+    def traced(self, space: ScaleSpace, rays: int) -> Transfer | Retraced:
         """Return the space's own rays."""
         return space.transport(rays)
 

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from meshdepict.scales.space import ScaleSpace
     from meshdepict.scene.environment import Environment
     from meshdepict.scene.light import Light
+    from meshdepict.transport.retraced import Retraced
     from meshdepict.transport.transfer import Transfer
 
 __all__ = ["PLAIN", "Gathering", "Gathers", "Plain", "fallen"]
@@ -48,7 +49,7 @@ class Gathering(Protocol):
     def falls(self, normals: NDArray[Any], light: Light) -> Single:
         """Return what (n,) arrives of a light of 1 that nothing hides: plainly ⟨n·l⟩."""
 
-    def traced(self, space: ScaleSpace, rays: int) -> Transfer:
+    def traced(self, space: ScaleSpace, rays: int) -> Transfer | Retraced:
         """Return where so many rays go from each vertex of the surface that a space lies on.
 
         They are those that bring what the eye sees: `ScaleSpace.transport`, or a method's own.
@@ -78,7 +79,7 @@ class Plain:
         """Return ⟨n·l⟩."""
         return np.maximum(cosines(normals, light.direction), 0).astype(np.float32)
 
-    def traced(self, space: ScaleSpace, rays: int) -> Transfer:
+    def traced(self, space: ScaleSpace, rays: int) -> Transfer | Retraced:
         """Return the space's own rays."""
         return space.transport(rays)
 

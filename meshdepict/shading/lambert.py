@@ -17,6 +17,7 @@ from meshdepict.shading.method import Exposure, exposed, method
 from meshdepict.shading.reached import (
     USUAL_RAYS,
     Bounces,
+    Denoise,
     LightRays,
     Shadows,
     added,
@@ -29,7 +30,7 @@ __all__ = ["half_lambert", "lambert"]
 Single = NDArray[np.float32]
 
 
-def _reads(last: int, *, shadows: bool, bounces: int, rays: int, **_: Any) -> Reads:
+def _reads(last: int, *, shadows: bool, bounces: int, rays: int | str, **_: Any) -> Reads:
     count = ray_count(shadows=shadows, bounces=bounces, rays=rays)
     return Reads(normals=frozenset((0,)), rays=count)
 
@@ -42,6 +43,7 @@ def lambert(
     shadows: Shadows = False,
     bounces: Bounces = 0,
     rays: LightRays = USUAL_RAYS,
+    denoise: Denoise = 0.0,
     exposure: Exposure = 1.0,
 ) -> Single:
     """Shade by max(0, n·l): what every viewer shows, black on the side away from the light.
@@ -55,7 +57,8 @@ def lambert(
 
     cosine = _cosine(space, light)
     seen, around, _ = reached(
-        space, [_white(light)], shadows=shadows, bounces=bounces, rays=rays, albedo=1.0,
+        space, [_white(light)], shadows=shadows, bounces=bounces, rays=rays, denoise=denoise,
+        albedo=1.0,
         shown=shown,
     )  # fmt: skip
     return exposed(_arriving(cosine, seen[0], around), exposure)
@@ -69,6 +72,7 @@ def half_lambert(
     shadows: Shadows = False,
     bounces: Bounces = 0,
     rays: LightRays = USUAL_RAYS,
+    denoise: Denoise = 0.0,
     exposure: Exposure = 1.0,
 ) -> Single:
     """Shade by ½ + ½ n·l, the unclamped cosine: no part is lost in black.
@@ -81,7 +85,8 @@ def half_lambert(
 
     cosine = _cosine(space, light)
     seen, around, _ = reached(
-        space, [_white(light)], shadows=shadows, bounces=bounces, rays=rays, albedo=1.0,
+        space, [_white(light)], shadows=shadows, bounces=bounces, rays=rays, denoise=denoise,
+        albedo=1.0,
         shown=shown,
     )  # fmt: skip
     if seen[0] is not None or around is not None:

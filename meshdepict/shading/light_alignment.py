@@ -40,12 +40,14 @@ from meshdepict.shading.method import Exposure, exposed, method, require_smoothi
 from meshdepict.shading.reached import (
     USUAL_RAYS,
     Bounces,
+    Denoise,
     LightRays,
     Reached,
     Shadows,
     ray_count,
     reached,
 )
+from meshdepict.shading.sampled import used_rays
 from meshdepict.shading.seen_through import background_light
 
 __all__ = ["align", "confidence", "light_alignment", "transition"]
@@ -76,7 +78,7 @@ def _reads(
     interfaces: int,
     shadows: bool,
     bounces: int,
-    rays: int,
+    rays: int | str,
     **_: Any,
 ) -> Reads:
     """Return the shape's own normals, both of every pair of scales that turns light, and rays."""
@@ -86,7 +88,7 @@ def _reads(
     if last and transmitted > 0:
         strengths.append(per_scale(last, transmitted_strength, "transmitted_strength"))
     within = interfaces == 2 and bool(transmitted or background)
-    count = rays if within else ray_count(shadows=shadows, bounces=bounces, rays=rays)
+    count = ray_count(shadows=shadows, bounces=1 if within else bounces, rays=rays)
     return Reads(normals=frozenset(aligned_scales(*strengths)), rays=count)
 
 
@@ -147,6 +149,7 @@ def light_alignment(
     shadows: Shadows = False,
     bounces: Bounces = 0,
     rays: LightRays = USUAL_RAYS,
+    denoise: Denoise = 0.0,
     exposure: Exposure = 1.0,
 ) -> NDArray[np.float32]:
     """Turn the light at every point and scale so that each feature has a bright and a dark side.
@@ -234,13 +237,13 @@ def light_alignment(
 
         reach = reached(
             space, lamps, environments, shadows=shadows, bounces=bounces, rays=rays,
-            albedo=albedo(surface), shown=displayed, gathering=gathering,
+            denoise=denoise, albedo=albedo(surface), shown=displayed, gathering=gathering,
         )  # fmt: skip
     clear = transmitted if interfaces == 1 else 0.0
     if (shadows or bounces) and not clear and not any(each.any() for each in used):
         plain = hidden_direct(
             space, lamps, eyes(space, eye), surface, reach, environments=environments,
-            count=lights, rays=rays,
+            count=lights, rays=used_rays(space, rays),
         )  # fmt: skip
         total = np.float32(ambient_term(surface)) + (plain if plain.ndim == 2 else plain[:, None])
     else:
@@ -259,7 +262,7 @@ def light_alignment(
         if reach.around is not None and "glossy" in terms and parameters[1] > 0:
             from meshdepict.shading.hidden_lobes import hidden_lobes
 
-            count = max(lights, rays)
+            count = max(lights, used_rays(space, rays))
 
             def samples(environment: Environment) -> list[LobeSamples]:
                 return aligned_samples(
@@ -291,7 +294,7 @@ def light_alignment(
         total = total + aligned_glass(
             space, normals, towards, lamps, environments, transmitted=transmitted,
             background=background, refraction=refraction, frosting=frosting, sharpness=sharpness,
-            strengths=clear_strength, rays=rays,
+            strengths=clear_strength, rays=used_rays(space, rays),
         )  # fmt: skip
     elif background:
         own = normals[0]

@@ -44,10 +44,19 @@ from meshdepict.shading.features import (
 from meshdepict.shading.gathering import PLAIN, Gathering
 from meshdepict.shading.hidden_light import albedo, hidden_direct, refuse_unhidden
 from meshdepict.shading.method import Exposure, exposed, method
-from meshdepict.shading.reached import USUAL_RAYS, Bounces, Reached, Shadows, ray_count, reached
+from meshdepict.shading.reached import (
+    USUAL_RAYS,
+    Bounces,
+    Denoise,
+    Reached,
+    Shadows,
+    ray_count,
+    reached,
+)
+from meshdepict.shading.sampled import AUTO_RAYS, used_rays
 from meshdepict.shading.surroundings import as_environment, seen
 from meshdepict.shading.warp_equations import jacobian, unwarp, warp, warp_scale
-from meshdepict.shading.warped_gathering import warping
+from meshdepict.shading.warped_gathering import Warping
 from meshdepict.shading.warping_integral import integral
 from meshdepict.transport.rays import probed
 
@@ -74,7 +83,7 @@ def _reads(
     illumination: str,
     shadows: bool,
     bounces: int,
-    rays: int,
+    rays: int | str,
     importance: ArrayLike | Samples | str | None,
     **_: Any,
 ) -> Reads:
@@ -82,8 +91,10 @@ def _reads(
     hidden = ray_count(shadows=shadows, bounces=bounces, rays=rays or USUAL_RAYS)
     if isinstance(shown := as_material(material), (Mirror, Refractive)):  # a smooth one has one ray
         rough = roughness or shown.roughness
-        hidden = int(shadows or bounces > 0) * ((rays or USUAL_RAYS) if rough else 1)
-    gathered = (rays or _OPENNESS_RAYS) if illumination == "occlusion" else hidden
+        count = ray_count(shadows=False, bounces=1, rays=rays or USUAL_RAYS) if rough else 1
+        hidden = int(shadows or bounces > 0) * count
+    open_rays = 0 if isinstance(rays, str) else rays  # which occlusion refuses
+    gathered = (open_rays or _OPENNESS_RAYS) if illumination == "occlusion" else hidden
     own = Reads(normals=frozenset((0,)), rays=gathered)
     return own | bends(scale, curvature, importance, last) if _bends(magnitude, gain) else own
 
@@ -128,14 +139,16 @@ def light_warping(
     shadows: Shadows = False,
     bounces: Bounces = 0,
     rays: Annotated[
-        int,
+        int | str,
         Range(
             0,
             65536,
             help="of each sample: of ambient occlusion, to discs, the sky and what bounces",
             soft=(0, 256),
+            words=(AUTO_RAYS,),
         ),
     ] = 0,
+    denoise: Denoise = 0.0,
     importance: Importance = None,
     shininess: Parameter = None,
     roughness: Parameter = None,
@@ -224,11 +237,16 @@ def light_warping(
     if illumination == "occlusion":
         from meshdepict.shading.warped_occlusion import warped_openness
 
+        if isinstance(rays, str):
+            raise MeshdepictError(
+                f"illumination='occlusion' takes a number of rays, 256 for instance: rays={rays!r} "
+                "is for shadows and bounces"
+            )
         shaded = warped_openness(space, frames, magnitude, rays=rays or _OPENNESS_RAYS)
     elif isinstance(chosen, (Mirror, Refractive)):
         shaded = seen(
             space, light, eye, chosen, frames, magnitude, shadows=shadows, bounces=bounces,
-            rays=rays or USUAL_RAYS,
+            rays=used_rays(space, rays or USUAL_RAYS),
         )  # fmt: skip
     elif quadrature == "directions":
         environment = as_environment(light, "quadrature='directions'")
@@ -246,7 +264,7 @@ def light_warping(
             gathering: Gathering = PLAIN
             if bent is not None:
                 bent = bent if lit is space else features(lit, eye, **settings)
-                gathering = warping(lit, bent, magnitude, key=frames_key(eye, **settings))
+                gathering = Warping(bent, magnitude, frames_key(eye, **settings))
             factor: Single | np.float32 = np.float32(1)
             if contrast and bent is not None:
                 factor = _contrast(bent, magnitude, contrast)[probed(lit.count)]
@@ -257,12 +275,13 @@ def light_warping(
 
             reach = reached(
                 space, lamps, environments, shadows=shadows, bounces=bounces,
-                rays=rays or USUAL_RAYS, albedo=albedo(chosen), shown=displayed,
-                gathering=gathering,
+                rays=rays or USUAL_RAYS, denoise=denoise, albedo=albedo(chosen),
+                shown=displayed, gathering=gathering,
             )  # fmt: skip
         shaded = hidden_direct(
             space, lamps, eyes(space, eye), chosen, reach, environments=environments, count=lights,
-            rays=rays or USUAL_RAYS, frames=frames, warping=0.0 if frames is None else magnitude,
+            rays=used_rays(space, rays or USUAL_RAYS), frames=frames,
+            warping=0.0 if frames is None else magnitude,
         )  # fmt: skip
     shaded = shaded + np.float32(ambient_term(chosen))
     if contrast and frames is not None:

@@ -20,16 +20,18 @@ from meshdepict.shading.method import Exposure, exposed, method
 from meshdepict.shading.reached import (
     USUAL_RAYS,
     Bounces,
+    Denoise,
     LightRays,
     Shadows,
     ray_count,
     reached,
 )
+from meshdepict.shading.sampled import used_rays
 
 __all__ = ["phong"]
 
 
-def _reads(last: int, *, shadows: bool, bounces: int, rays: int, **_: Any) -> Reads:
+def _reads(last: int, *, shadows: bool, bounces: int, rays: int | str, **_: Any) -> Reads:
     count = ray_count(shadows=shadows, bounces=bounces, rays=rays)
     return Reads(normals=frozenset((0,)), rays=count)
 
@@ -55,6 +57,7 @@ def phong(
     shadows: Shadows = False,
     bounces: Bounces = 0,
     rays: LightRays = USUAL_RAYS,
+    denoise: Denoise = 0.0,
     exposure: Exposure = 1.0,
 ) -> NDArray[np.float32]:
     """Shade by ambient + diffuse · n·l + specular · (r·l)^shininess, r the reflected view.
@@ -71,7 +74,8 @@ def phong(
         return linear_to_srgb(exposed(ambient + diffuse * arriving, exposure))
 
     reach = reached(
-        space, lamps, environments, shadows=shadows, bounces=bounces, rays=rays, albedo=diffuse,
+        space, lamps, environments, shadows=shadows, bounces=bounces, rays=rays, denoise=denoise,
+        albedo=diffuse,
         shown=shown,
     )  # fmt: skip
     shaded = hidden_direct(
@@ -82,6 +86,6 @@ def phong(
         reach,
         environments=environments,
         count=lights,
-        rays=rays,
+        rays=used_rays(space, rays),
     )
     return exposed(shaded + np.float32(ambient), exposure)

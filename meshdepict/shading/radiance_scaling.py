@@ -40,7 +40,8 @@ from meshdepict.shading.features import (
 from meshdepict.shading.gathering import PLAIN, Gathering
 from meshdepict.shading.hidden_light import albedo, hidden_direct, refuse_unhidden
 from meshdepict.shading.method import Exposure, exposed, method
-from meshdepict.shading.reached import USUAL_RAYS, Bounces, Reached, Shadows, reached
+from meshdepict.shading.reached import USUAL_RAYS, Bounces, Denoise, Reached, Shadows, reached
+from meshdepict.shading.sampled import AUTO_RAYS, used_rays
 from meshdepict.shading.scaling_equation import LEAST_INVARIANT, scaling
 from meshdepict.shading.scaling_reads import scaling_bends, scaling_reads
 from meshdepict.shading.surroundings import (
@@ -109,14 +110,16 @@ def radiance_scaling(
         ),
     ] = "first",
     rays: Annotated[
-        int,
+        int | str,
         Range(
             0,
             65536,
             help="of each sample: for precomputed light, to discs, the sky and what bounces",
             soft=(0, 256),
+            words=(AUTO_RAYS,),
         ),
     ] = 0,
+    denoise: Denoise = 0.0,
     shininess: Parameter = None,
     roughness: Parameter = None,
     bins: Bins = None,
@@ -235,10 +238,15 @@ def radiance_scaling(
             on_the_way = mirrored, bend_of_vertices()
         shown = seen(
             space, light, eye, chosen, frames, warping, shadows=shadows, bounces=bounces,
-            rays=rays or USUAL_RAYS, scaled=on_the_way,
+            rays=used_rays(space, rays or USUAL_RAYS), scaled=on_the_way,
         )  # fmt: skip
         shaded = scaled(shown, luminance(shown) / brightest, gamma_s)
     elif illumination != "lights":
+        if isinstance(rays, str):
+            raise MeshdepictError(
+                f"illumination={illumination!r} takes a number of rays, 256 for instance: "
+                f"rays={rays!r} is for shadows and bounces"
+            )
         value, delta = gathered(space, light, chosen, illumination=illumination, rays=rays)
         shaded = scaled(value, delta, gamma_d)
     else:
@@ -256,12 +264,12 @@ def radiance_scaling(
 
             reach = reached(
                 space, lamps, environments, shadows=shadows, bounces=bounces,
-                rays=rays or USUAL_RAYS, albedo=albedo(chosen), shown=displayed,
-                gathering=gathering,
+                rays=rays or USUAL_RAYS, denoise=denoise, albedo=albedo(chosen),
+                shown=displayed, gathering=gathering,
             )  # fmt: skip
         shaded = hidden_direct(
             space, lamps, eyes(space, eye), chosen, reach, environments=environments, count=lights,
-            rays=rays or USUAL_RAYS, frames=frames, warping=warping,
+            rays=used_rays(space, rays or USUAL_RAYS), frames=frames, warping=warping,
             scaling=Scaling(gamma_d, gamma_s, alpha, anisotropy),
         )  # fmt: skip
         if ambient:

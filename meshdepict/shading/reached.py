@@ -12,8 +12,9 @@ surfaces are in each other's way as they are.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
-from typing import Annotated, Any, NamedTuple
+from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,12 +26,19 @@ from meshdepict.scene.environment import Environment
 from meshdepict.scene.light import Light
 from meshdepict.shading.company_light import sent_together
 from meshdepict.shading.gathering import PLAIN, Gathering, Gathers, fallen
-from meshdepict.transport.radiosity import bounced
+from meshdepict.shading.sampled import AUTO_RAYS, FIRST_RAYS, enough
+from meshdepict.shading.smoothed_light import calmed
+from meshdepict.transport.radiosity import sent_on
 from meshdepict.transport.rays import AGAIN, MOST_RAYS, probed
+
+if TYPE_CHECKING:
+    from meshdepict.transport.retraced import Retraced
+    from meshdepict.transport.transfer import Transfer
 
 __all__ = [
     "USUAL_RAYS",
     "Bounces",
+    "Denoise",
     "LightRays",
     "Reached",
     "Shadows",
@@ -46,10 +54,20 @@ Shadows = Annotated[bool, Flag(help="whether lights cast shadows")]
 Bounces = Annotated[
     int, Range(0, 1000, help="how often light goes on from surface to surface", soft=(0, 5))
 ]
+Denoise = Annotated[
+    float,
+    Range(
+        0, 255, soft=(0, 5),
+        help="grey levels of noise from which on light that came by rays is smoothed; 0: never",
+    ),
+]  # fmt: skip
 LightRays = Annotated[
-    int,
-    Range(2, MOST_RAYS, help="of each sample, to discs, the sky and what bounces", soft=(16, 1024)),
-]
+    int | str,
+    Range(
+        2, MOST_RAYS, help="of each sample, to discs, the sky and what bounces", soft=(16, 1024),
+        words=(AUTO_RAYS,),
+    ),
+]  # fmt: skip
 
 
 USUAL_RAYS = 64
@@ -75,9 +93,11 @@ class Reached(NamedTuple):
     sent: Single | None = None
 
 
-def ray_count(*, shadows: bool, bounces: int, rays: int) -> int:
-    """Return how many rays of each sample a method declares under such options."""
-    return rays if bounces else int(shadows)
+def ray_count(*, shadows: bool, bounces: int, rays: int | str) -> int:
+    """Return how many rays of each sample a method declares under such options, at least."""
+    if not bounces:
+        return int(shadows)
+    return FIRST_RAYS if rays == AUTO_RAYS else int(rays)
 
 
 def reached(
@@ -87,7 +107,8 @@ def reached(
     *,
     shadows: bool,
     bounces: int,
-    rays: int,
+    rays: int | str,
+    denoise: float = 0.0,
     albedo: float,
     shown: Callable[[NDArray[Any]], NDArray[Any]],
     gathering: Gathering = PLAIN,
@@ -104,7 +125,11 @@ def reached(
         Their light comes by rays that get away, and of lamps in them by rays to those: all of it is
         ``around``.
     shadows, bounces, rays
-        The options of these names.
+        The options of these names. As many rays as it takes, "auto", are 64, or twice as many as
+        often as needed; see `sampled.enough`.
+    denoise : float
+        Grey levels of error from which on light of the sky and of bounces is smoothed between
+        neighbours, as far as makes it better; see `smoothed_light`. Discs and lamps are not.
     albedo : float
         What matt surfaces send on, times the space's ``tints`` where it has any.
     shown : callable
@@ -121,9 +146,33 @@ def reached(
     inside = gathering if gathering.everywhere else PLAIN  # for what is sent on
     if space.company is not None:
         space.company.hear(space, albedo, inside)
-    seen: Shares = (None,) * len(lights)
     if not (shadows or bounces):
-        return Reached(seen)
+        return Reached((None,) * len(lights))
+
+    def sampled(count: int) -> Reached:
+        return _sampled(
+            space, lights, environments, shadows=shadows, bounces=bounces, rays=count,
+            denoise=denoise, albedo=albedo, shown=shown, gathering=gathering,
+        )  # fmt: skip
+
+    return enough(space, sampled) if rays == AUTO_RAYS else sampled(int(rays))
+
+
+def _sampled(
+    space: ScaleSpace,
+    lights: Sequence[Light],
+    environments: Sequence[Environment],
+    *,
+    shadows: bool,
+    bounces: int,
+    rays: int,
+    denoise: float,
+    albedo: float,
+    shown: Callable[[NDArray[Any]], NDArray[Any]],
+    gathering: Gathering,
+) -> Reached:
+    """Return what `reached` does, by a number of rays."""
+    seen: Shares = (None,) * len(lights)
     if shadows:
         seen = tuple(space.seen_share(light, rays=rays) for light in lights)
     soft = shadows and any(light.spread for light in lights)
@@ -136,25 +185,30 @@ def reached(
             seen_again = tuple(
                 space.seen_share(each, rays=rays, at=at, steps=AGAIN) for each in lights
             )
-            _record(
-                space, rays, shown(fallen(own, at[1], lights, seen_once)),
-                shown(fallen(own, at[1], lights, seen_again)),
-            )  # fmt: skip
+            once, again = (fallen(own, at[1], lights, each) for each in (seen_once, seen_again))
+            space.light_errors[rays] = _apart(shown(once), shown(again))
         return Reached(seen)
 
     transfer = gathering.traced(space, rays)
     at = transfer.points, transfer.normals
     falling = seen
     if shadows and not space.at_vertices:
-        falling = tuple(space.seen_share(light, rays=rays, at=at) for light in lights)
-    first = gathering.along(transfer)
+        falling = tuple(
+            space.seen_share(light, rays=rays, at=at)
+            if light.spread
+            else space.seen_from_vertices([light])[0]
+            for light in lights
+        )
+    inside = gathering if gathering.everywhere else PLAIN  # for what is sent on
+    first = _along(gathering, transfer)
     from meshdepict.transport.sky_cells import parted_sky
 
     parts = [parted_sky(environment) for environment in environments]
     skies, lamps = [sky for sky, _ in parts], [lamp for _, some in parts for lamp in some]
-    lit = tuple(space.seen_share(lamp, at=at) for lamp in lamps)
+    lit = space.seen_from_vertices(lamps) if lamps else ()
     shone = fallen(gathering, at[1], lamps, lit)
-    around = added(_sky(first, skies), shone)
+    by_rays = _sky(first, skies)
+    around = added(by_rays, shone)
     sent: Single | None = None
     if bounces:
 
@@ -162,21 +216,31 @@ def reached(
             direct = added(fallen(one, normals, lights, shares[0]), _sky(inner, skies))
             return added(direct, fallen(one, normals, lamps, shares[1]))
 
-        if space.company is None:
-            inner = inside.along(transfer if inside is gathering else inside.traced(space, rays))
-            light = start(inside, inner, at[1], falling, lit)
-            reflected = albedo if space.tints is None else np.float32(albedo) * space.tints
-            _, sent = bounced(inner, light, albedo=reflected, bounces=bounces)
-        else:
+        if space.company is not None:
             sent = sent_together(
                 space.company, lights, skies, lamps,
                 shadows=shadows, bounces=bounces, rays=rays, start=start,
             )  # fmt: skip
-        around = added(around, first.from_surface(sent))
+        else:
+            if inside is gathering:
+                inner: Gathers = first
+                light = added(added(fallen(inside, at[1], lights, falling), by_rays), shone)
+            else:
+                # A single bounce of lights alone takes none of these rays.
+                inner = (
+                    first
+                    if bounces == 1 and not skies
+                    else _along(inside, inside.traced(space, rays))
+                )
+                light = start(inside, inner, at[1], falling, lit)
+            reflected = albedo if space.tints is None else np.float32(albedo) * space.tints
+            sent = sent_on(inner, light, albedo=reflected, bounces=bounces)
+        brought = first.from_surface(sent)
+        by_rays, around = added(by_rays, brought), added(around, brought)
     if probes := transfer.probes:
         chosen = probes.chosen
         own = gathering.at(chosen)
-        second = own.along(probes.transfer, again=True)
+        second = _along(own, probes.transfer, again=True)
         places = transfer.points[chosen], transfer.normals[chosen]
         known: Shares = tuple(share if share is None else share[chosen] for share in falling)
         others: Shares = known
@@ -187,14 +251,37 @@ def reached(
         again = added(_sky(second, skies), shone[chosen])
         if sent is not None:
             again = added(again, second.from_surface(sent))
-        values, again = (
-            shown(added(fallen(own, places[1], lights, shares), rest))
-            for shares, rest in ((known, around[chosen]), (others, again))
-        )
-        if sent is not None and space.tints is not None:
-            values, again = (_tinted(each, space.tints[chosen]) for each in (values, again))
-        _record(space, rays, values, again)
+        tints = None if sent is None or space.tints is None else space.tints[chosen]
+
+        def seen_as(light: Single) -> NDArray[Any]:
+            return shown(light) if tints is None else _tinted(shown(light), tints)
+
+        direct = fallen(own, places[1], lights, known)
+        once, twice = seen_as(added(direct, around[chosen])), seen_as(added(direct, again))
+        error = _apart(once, twice)
+        whole = _apart(once, seen_as(added(fallen(own, places[1], lights, others), again)))
+        if 0 < denoise < whole:
+
+            def told(light: Single, left: float) -> float:
+                smooth = seen_as(added(direct, added(light, shone)[chosen]))
+                apart = float(np.mean((255 * (np.asarray(smooth, np.float64) - twice)) ** 2))
+                # Of it the second set's own noise is no error of the first.
+                off = max(apart - error**2, left * error**2)
+                return math.sqrt(max(whole**2 - error**2, 0.0) + off)
+
+            calm, whole = calmed(space.own_surface, at[1], by_rays, told, (denoise, whole))
+            around = around if calm is by_rays else added(calm, shone)
+        space.light_errors[rays] = whole
     return Reached(seen, space.of_vertices(around).astype(np.float32), sent)
+
+
+def _along(gathering: Gathering, transfer: Transfer | Retraced, *, again: bool = False) -> Gathers:
+    """Return what gathers light along rays, kept or not."""
+    from meshdepict.transport.retraced import InParts, Retraced
+
+    if not isinstance(transfer, Retraced):
+        return gathering.along(transfer, again=again)
+    return InParts(transfer, lambda part, here: gathering.at(here).along(part, again=again))
 
 
 def _sky(transfer: Gathers, environments: Sequence[Environment]) -> Single:
@@ -219,7 +306,7 @@ def _tinted(shown: NDArray[Any], tints: Single) -> NDArray[Any]:
     return np.asarray(linear_to_srgb((light if light.ndim == 2 else light[:, None]) * tints))
 
 
-def _record(space: ScaleSpace, rays: int, values: NDArray[Any], again: NDArray[Any]) -> None:
-    """Keep the error that two independent results tell, in grey levels."""
-    difference = 255 * (np.asarray(values, np.float64) - again)
-    space.light_errors[rays] = float(np.sqrt(np.mean(difference**2) / 2)) if len(values) else 0.0
+def _apart(one: NDArray[Any], other: NDArray[Any]) -> float:
+    """Return the rms error, in grey levels, of two independent results."""
+    difference = 255 * (np.asarray(one, np.float64) - other)
+    return float(np.sqrt(np.mean(difference**2) / 2)) if len(one) else 0.0

@@ -22,7 +22,7 @@ def scaling_reads(
     illumination: str,
     shadows: bool,
     bounces: int,
-    rays: int,
+    rays: int | str,
     roughness: float | None,
     **options: Any,
 ) -> Reads:
@@ -30,6 +30,7 @@ def scaling_reads(
     shown = as_material(material)
     lit = not isinstance(shown, (LitSphere, Mirror, Refractive))
     hidden = ray_count(shadows=shadows, bounces=bounces, rays=rays or USUAL_RAYS)
+    rays = 0 if isinstance(rays, str) else rays  # which precomputed light refuses
     gathered = {"occlusion": rays or 256, "irradiance": rays}.get(illumination, hidden)
     if not lit:  # a smooth mirror has one ray, a painting none
         rough = isinstance(shown, (Mirror, Refractive)) and (roughness or shown.roughness)

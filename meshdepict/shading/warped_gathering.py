@@ -6,7 +6,7 @@ anew where curvature, view or magnitude are others, and serve every light.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -19,9 +19,10 @@ from meshdepict.shading.warp_equations import warp_scale
 
 if TYPE_CHECKING:
     from meshdepict.scene.light import Light
-    from meshdepict.transport.transfer import Transfer
+    from meshdepict.transport.retraced import Retraced
+    from meshdepict.transport.transfer import Leaving, Transfer
 
-__all__ = ["Warping", "warping"]
+__all__ = ["Warping"]
 
 Single = NDArray[np.float32]
 
@@ -35,15 +36,15 @@ class Warping(NamedTuple):
         Curvature of the samples.
     magnitude : float
         α.
-    warped : callable
-        Returns the rays along warped directions, by their number.
+    key : tuple
+        All that the frames depend on beside the samples; see `features.frames_key`.
     everywhere : bool
         False: only the light that the eye sees is warped (the paper's first bounce).
     """
 
     frames: Frames
     magnitude: float
-    warped: Callable[[int], Transfer]
+    key: tuple[Any, ...]
     everywhere: bool = False
 
     def falls(self, normals: NDArray[Any], light: Light) -> Single:
@@ -53,9 +54,12 @@ class Warping(NamedTuple):
         cosine = np.einsum("ni,ni->n", normals, back)
         return np.asarray(np.maximum(cosine, 0) * weight, np.float32)
 
-    def traced(self, space: ScaleSpace, rays: int) -> Transfer:
+    def traced(self, space: ScaleSpace, rays: int) -> Transfer | Retraced:
         """Return rays along warped directions."""
-        return self.warped(rays)
+        return space.vertex_space.traced_once(
+            "warped rays", (self.magnitude, *self.key), rays,
+            lambda: _leaving(self.frames, self.magnitude),
+        )  # fmt: skip
 
     def along(self, transfer: Transfer, *, again: bool = False) -> Transfer:
         """Return the rays as they are: warped."""
@@ -66,37 +70,27 @@ class Warping(NamedTuple):
         return self._replace(frames=Frames(*(part[chosen] for part in self.frames)))
 
 
-def warping(
-    space: ScaleSpace, frames: Frames, magnitude: float, *, key: tuple[Any, ...]
-) -> Warping:
-    """Return how samples at the vertices of a surface gather light.
+@dataclass(frozen=True, eq=False)
+class _WarpedRays:
+    """What turns directions d to W(d): frames and λ of all samples."""
 
-    Parameters
-    ----------
-    space : ScaleSpace
-    frames : Frames
-        Their curvature.
-    magnitude : float
-        α.
-    key : tuple
-        All that the frames depend on beside the samples.
-    """
+    u: Single
+    v: Single
+    z: Single
+    scale_u: Single
+    scale_v: Single
 
-    def warped(rays: int) -> Transfer:
-        found: Transfer = space.kept("warped rays", (rays, magnitude, *key), lambda: traced(rays))
-        return found
-
-    def traced(rays: int) -> Transfer:
+    def __call__(self, directions: Single, which: NDArray[np.int64]) -> None:
         from meshdepict.shading.warping_kernel import warp_rays
 
-        axes = (np.ascontiguousarray(axis, np.float32) for axis in (frames.u, frames.v, frames.z))
-        stretch = (
-            np.ascontiguousarray(warp_scale(k, magnitude), np.float32)
-            for k in (frames.ku, frames.kv)
-        )
-        given = (*axes, *stretch)
-        return space.traced(
-            rays, bend=lambda directions, which: warp_rays(directions, which, *given)
-        )
+        warp_rays(
+            directions, which, self.u, self.v, self.z, self.scale_u, self.scale_v
+        )  # fmt: skip
 
-    return Warping(frames, magnitude, warped)
+
+def _leaving(frames: Frames, magnitude: float) -> Leaving:
+    from meshdepict.transport.transfer import Leaving
+
+    stretch = (warp_scale(k, magnitude) for k in (frames.ku, frames.kv))
+    arrays = (frames.u, frames.v, frames.z, *stretch)
+    return Leaving(bend=_WarpedRays(*(np.ascontiguousarray(a, np.float32) for a in arrays)))

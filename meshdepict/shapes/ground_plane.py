@@ -35,10 +35,19 @@ class GroundPlane(Mesh):
         Diagonal of what stands on it.
     size : float
         The disc's radius in these.
+    mirror : bool
+        Whether it is a mirror, and not matt.
     """
 
     def __init__(
-        self, middle: Floats, up: Floats, unit: float, size: float, *, length_unit: str = ""
+        self,
+        middle: Floats,
+        up: Floats,
+        unit: float,
+        size: float,
+        *,
+        mirror: bool = False,
+        length_unit: str = "",
     ) -> None:
         number, turn, faces = _disc(_RINGS)
         near = number / (_EVEN * _RINGS)
@@ -49,14 +58,20 @@ class GroundPlane(Mesh):
         x /= np.linalg.norm(x)
         y = np.cross(up, x)
         flat = np.cos(turn)[:, None] * x + np.sin(turn)[:, None] * y
-        self.middle, self.radius = middle, radius
+        self.middle, self.up, self.mirror = middle, up, mirror
+        self.unit, self.radius = unit, radius
         points = middle + unit * radius[:, None] * flat
         super().__init__(points, faces, winding="keep", length_unit=length_unit)
 
     @cached_property
     def coverage(self) -> NDArray[np.float32]:
         """How much (n,) a picture shows of each vertex, in [0, 1]: it has a soft edge."""
-        share = np.clip((_ENDS - self.radius) / (_ENDS - _FADES), 0, 1)
+        return self.share_at(self.vertices)
+
+    def share_at(self, points: Floats) -> NDArray[np.float32]:
+        """Return how much (n,) a picture shows of places on it."""
+        away = np.linalg.norm(points - self.middle, axis=1) / self.unit
+        share = np.clip((_ENDS - away) / (_ENDS - _FADES), 0, 1)
         return (share * share * (3 - 2 * share)).astype(np.float32)
 
     @cached_property
@@ -65,7 +80,9 @@ class GroundPlane(Mesh):
         return self.vertices[self.radius <= (_FADES + _ENDS) / 2]
 
 
-def ground_under(mesh: Mesh | Sequence[Mesh], *, up: str = "y", size: float = 3.0) -> GroundPlane:
+def ground_under(
+    mesh: Mesh | Sequence[Mesh], *, up: str = "y", size: float = 3.0, mirror: bool = False
+) -> GroundPlane:
     """Return a level ground under a mesh or several, at the lowest point: a disc about the middle.
 
     Pictures show its middle, with a soft edge; shadows and light that bounces go as far as it is.
@@ -78,6 +95,8 @@ def ground_under(mesh: Mesh | Sequence[Mesh], *, up: str = "y", size: float = 3.
         Which axis points up.
     size : float
         Its radius, in diagonals of the box about them all, 1 … 100.
+    mirror : bool
+        Whether it is a mirror. What is matt is shaded as objects are.
 
     Raises
     ------
@@ -89,6 +108,8 @@ def ground_under(mesh: Mesh | Sequence[Mesh], *, up: str = "y", size: float = 3.
         raise MeshdepictError("ground_under needs the mesh that stands on it, or several")
     if not 1 <= (real(size) or 0) <= 100:
         raise MeshdepictError(f"size={size!r} is not a number of diagonals from 1 to 100")
+    if not isinstance(mirror, bool):
+        raise MeshdepictError(f"mirror={mirror!r} is neither True nor False")
     axis = upright(up)[:, 1]
     low = np.min([each.vertices.min(axis=0) for each in several], axis=0)
     high = np.max([each.vertices.max(axis=0) for each in several], axis=0)
@@ -97,7 +118,7 @@ def ground_under(mesh: Mesh | Sequence[Mesh], *, up: str = "y", size: float = 3.
     down = float(np.abs((high - low) @ axis)) / 2 + _BELOW * float(size) * unit
     units = {each.length_unit for each in several}
     return GroundPlane(
-        centre - down * axis, axis, unit, float(size),
+        centre - down * axis, axis, unit, float(size), mirror=mirror,
         length_unit=units.pop() if len(units) == 1 else "",
     )  # fmt: skip
 

@@ -14,9 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshdepict.threads import kernel
-from meshdepict.transport.rays import _AHEAD as AHEAD
-from meshdepict.transport.rays import _OFFSET as OFFSET
-from meshdepict.transport.rays import ray_scene
+from meshdepict.transport.rays import AHEAD, OFFSET, ray_scene
 from meshdepict.transport.walls import farthest, walls_of
 
 if TYPE_CHECKING:

@@ -18,6 +18,7 @@ from meshdepict.transport.rays import (
     Steps,
     checked_rays,
     cosine_weighted,
+    lifted,
     probed,
     ray_scene,
 )
@@ -26,6 +27,8 @@ if TYPE_CHECKING:
     from meshdepict.shapes.mesh import Mesh
 
 __all__ = ["Openness", "ambient_openness", "sky_openness", "zenith_angles"]
+
+_SAME = 1e-12  # by which a mean of equal normals may differ from them
 
 Floats = NDArray[np.float64]
 At = tuple[NDArray[Any], NDArray[Any]]
@@ -171,6 +174,13 @@ def zenith_angles(
     return found.values * np.float32(180)
 
 
+def _off_all(points: Floats, normals: Floats) -> Floats:
+    """Return where rays start off: off all that meets at a crease, elsewhere off normals."""
+    lifts = lifted(points, normals)
+    same = np.abs(lifts - normals).max(axis=1) < _SAME
+    return np.where(same[:, None], normals, lifts)
+
+
 def _reach(mesh: Mesh, radius: float | None) -> float | None:
     """Return a radius in the mesh's unit frame."""
     return None if radius is None else radius / (mesh.diagonal or 1.0)
@@ -200,11 +210,12 @@ def _traced(
     ``height`` turns a share in [0, 1] of all rays into their cosine to the axis, from 1 downwards.
     """
     points, normals = places
+    lifts = _off_all(points, normals)
     scene, ray_set = ray_scene(mesh), RaySet(rays, height)
     whole = np.ones(rays) if not weigh else height((np.arange(rays) + 0.5) / rays)
 
     def shares(here: Any, steps: Steps) -> Floats:
-        bundle = ray_set.leaving(points[here], normals[here], axes[here], steps)
+        bundle = ray_set.leaving(points[here], lifts[here], axes[here], steps)
         origins, directions = bundle.flat
         far = {} if reach is None else {"dists": np.full(len(origins), reach, np.float32)}
         if not weigh:

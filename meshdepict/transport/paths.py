@@ -18,9 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshdepict.threads import each, kernel, spans
-from meshdepict.transport.rays import _AHEAD as AHEAD
-from meshdepict.transport.rays import _OFFSET as OFFSET
-from meshdepict.transport.rays import BATCH, ray_scene
+from meshdepict.transport.rays import AHEAD, BATCH, OFFSET, ray_scene
 from meshdepict.transport.walls import farthest, walls_of
 
 if TYPE_CHECKING:

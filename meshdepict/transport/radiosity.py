@@ -7,7 +7,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["bounced"]
+__all__ = ["bounced", "sent_on"]
 
 Single = NDArray[np.float32]
 
@@ -53,15 +53,37 @@ def bounced(
     sent : array
         B_{k−1}, whose light the last bounce brought; B_0 where there was none.
     """
+    sent = sent_on(transfer, light, albedo=albedo, bounces=bounces, emitted=emitted)
+    start = np.asarray(light, np.float32)
+    if sent.ndim > start.ndim:  # colours under light that has none
+        start = np.repeat(start[:, None], sent.shape[1], axis=1)
+    return (start, sent) if bounces == 0 else (_arriving(transfer, start, sent), sent)
+
+
+def sent_on(
+    transfer: Gathers,
+    light: NDArray[Any],
+    *,
+    albedo: float | NDArray[Any],
+    bounces: int,
+    emitted: float | NDArray[Any] = 0.0,
+) -> Single:
+    """Return B_{k−1}, what each sample sends that the last of k bounces brings; B_0 without any.
+
+    Parameters are those of `bounced`.
+    """
     start = np.asarray(light, np.float32)
     reflected, own = np.asarray(albedo, np.float32), np.asarray(emitted, np.float32)
-    if reflected.ndim > start.ndim:  # colours under light that has none
+    if reflected.ndim > start.ndim:
         start = np.repeat(start[:, None], reflected.shape[1], axis=1)
     elif 0 < reflected.ndim < start.ndim:
         reflected = reflected[:, None]
-    arriving, sent = start, own + reflected * start
-    for bounce in range(bounces):
-        if bounce:
-            sent = own + reflected * arriving
-        arriving = np.minimum(start + transfer.from_surface(sent), _BRIGHTEST)
-    return arriving, sent
+    sent = own + reflected * start
+    for _ in range(bounces - 1):
+        sent = own + reflected * _arriving(transfer, start, sent)
+    return np.asarray(sent, np.float32)
+
+
+def _arriving(transfer: Gathers, start: Single, sent: Single) -> Single:
+    """Return E_0 + T B."""
+    return np.minimum(start + transfer.from_surface(sent), _BRIGHTEST)

@@ -27,9 +27,11 @@ if TYPE_CHECKING:
 
 __all__ = [
     "AGAIN",
+    "AHEAD",
     "BATCH",
     "FIRST",
     "MOST_RAYS",
+    "OFFSET",
     "Bundle",
     "RaySet",
     "Steps",
@@ -39,6 +41,7 @@ __all__ = [
     "lifted",
     "probed",
     "ray_scene",
+    "started",
 ]  # fmt: skip
 
 Floats = NDArray[np.float64]
@@ -49,8 +52,9 @@ MOST_RAYS = 65_536
 BATCH = 65_536
 """Rays that are traced at once: three megabytes, however large the mesh."""
 
-_OFFSET = 1e-5  # of a ray's start from the surface, in diagonals: 100 roundings in float32
-_AHEAD = 0.25 * _OFFSET  # less than what lifts a start in a corner off the walls that meet there
+OFFSET = 1e-5  # of a ray's start from the surface, in diagonals: 100 roundings in float32
+AHEAD = np.float32(0.25 * OFFSET)
+"""Of a ray that begins further on: less than what lifts a start off the walls of its corner."""
 _GOLDEN = (math.sqrt(5) - 1) / 2
 _GRID = 2.0**20  # positions this share of a diagonal apart have different shifts
 # Powers of the roots of xⁿ = x + 1, n = 4 … 7: their multiples fill the unit interval evenly. Two
@@ -143,11 +147,15 @@ class RaySet:
             directions[..., axis] = local[0] * x + local[1] * y + local[2] * z
         if bend is not None:
             bend(directions)
-        starts = (points + _OFFSET * lifts).astype(np.float32)
-        origins = np.repeat(starts, self.rays, axis=0)
+        origins = np.repeat(started(points, lifts), self.rays, axis=0)
         if ahead:
-            origins += np.float32(_AHEAD) * directions.reshape(-1, 3)
+            origins += AHEAD * directions.reshape(-1, 3)
         return Bundle(origins, directions)
+
+
+def started(points: Floats, lifts: Floats) -> Single:
+    """Return where rays from points (n, 3) start, off the surface along unit vectors."""
+    return (points + OFFSET * lifts).astype(np.float32)
 
 
 def cosine_weighted(share: Floats) -> Floats:

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from meshdepict.threads import each, spans
 from meshdepict.transport.rays import (
+    AHEAD,
     BATCH,
     FIRST,
     RaySet,
@@ -17,12 +18,15 @@ from meshdepict.transport.rays import (
     checked_rays,
     lifted,
     ray_scene,
+    started,
 )
 
 if TYPE_CHECKING:
     from meshdepict.shapes.mesh import Mesh
 
-__all__ = ["seen_share"]
+__all__ = ["seen_directions", "seen_share"]
+
+_TOGETHER = 8_192  # rays of one direction: a hand that holds the light waits for every thread
 
 
 def seen_share(
@@ -63,9 +67,11 @@ def seen_share(
     MeshdepictError
         For another number of rays.
     """
-    count = checked_rays(rays) if spread else 1
-    points, normals = at
     axis = np.asarray(towards, np.float64)
+    if not spread:
+        return seen_directions(mesh, axis[None], at=at)[0].astype(np.float32)
+    count = checked_rays(rays)
+    points, normals = at
     least = math.cos(math.radians(spread))
 
     def height(share: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -73,7 +79,7 @@ def seen_share(
 
     scene, ray_set = ray_scene(mesh), RaySet(count, height)
     lifts = lifted(points, normals)
-    # Where all of the disc is behind nothing is asked. Samples of one ray each fill a batch.
+    # Where all of the disc is behind nothing is asked.
     reach = math.sin(math.radians(min(spread, 90.0)))
     asked = np.flatnonzero(np.asarray(normals, np.float64) @ axis > -reach)
     shares = np.zeros(len(points), np.float32)
@@ -95,3 +101,44 @@ def seen_share(
     if len(asked):
         each(work, spans(len(asked), -(-len(asked) // batch)))
     return shares
+
+
+def seen_directions(
+    mesh: Mesh,
+    towards: ArrayLike,
+    *,
+    at: tuple[NDArray[Any], NDArray[Any]],
+    lifts: NDArray[np.float64] | None = None,
+) -> NDArray[np.bool_]:
+    """Return whether each point sees each of some directions: (directions, n).
+
+    Parameters
+    ----------
+    mesh : Mesh
+        What casts shadows.
+    towards : (directions, 3) array_like
+        Unit vectors.
+    at : two (n, 3) arrays
+        As for `seen_share`.
+    lifts : (n, 3) array, optional
+        What `lifted` says of them, where that is known.
+    """
+    points, normals = at
+    axes = np.asarray(towards, np.float64).reshape(-1, 3)
+    scene, count = ray_scene(mesh), len(points)
+    starts = started(points, lifted(points, normals) if lifts is None else lifts)
+    exact, single = np.asarray(normals, np.float64), np.asarray(normals, np.float32)
+    seen = np.zeros((len(axes), count), bool)
+
+    def work(number: int, begin: int, end: int) -> None:
+        axis = axes[number].astype(np.float32)
+        above = exact[begin:end] @ axes[number] > 0
+        here = begin + np.flatnonzero(above & (single[begin:end] @ axis > 0))
+        if len(here):
+            origins = starts[here] + AHEAD * axis
+            directions = np.broadcast_to(axis, origins.shape).copy()
+            seen[number, here] = scene.run(origins, directions, query="OCCLUDED") < 0
+
+    pieces = spans(count, -(-count // _TOGETHER)) if count else []
+    each(work, [(number, *piece) for number in range(len(axes)) for piece in pieces])
+    return seen

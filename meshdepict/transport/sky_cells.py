@@ -29,6 +29,7 @@ ACROSS = 256
 _SKY_ROWS = 64  # of the picture that the mean is taken of
 _LAMP = 3.0  # times the mean: what is brighter is a lamp
 _LAMPS = 32  # lights that stand for all lamps: half as many rays as of the sky
+_colors: WeakKeyDictionary[Environment, tuple[int, NDArray[np.float32]]] = WeakKeyDictionary()
 _parts: WeakKeyDictionary[Environment, tuple[Environment, list[Light]]] = WeakKeyDictionary()
 
 
@@ -63,9 +64,15 @@ def sky_colors(environment: Environment, rays: int) -> NDArray[np.float32]:
     """Return the radiance (cells, 3) of an environment in each cell.
 
     It is blurred by half the distance of so many cosine-weighted rays: what is narrower would be
-    met by one ray of a sample and by none of its neighbour's, and be speckle.
+    met by one ray of a sample and by none of its neighbour's, and be speckle. Those of the last
+    number of rays are kept as long as the environment.
     """
-    return environment.lookup(cell_directions(), blur=math.sqrt(math.pi / rays) / 2)
+    former, colors = _colors.get(environment, (0, None))
+    if colors is None or former != rays:
+        colors = environment.lookup(cell_directions(), blur=math.sqrt(math.pi / rays) / 2)
+        colors.setflags(write=False)
+        _colors[environment] = rays, colors
+    return colors
 
 
 def parted_sky(environment: Environment) -> tuple[Environment, list[Light]]:

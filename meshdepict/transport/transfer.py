@@ -17,7 +17,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -43,16 +43,67 @@ if TYPE_CHECKING:
     from meshdepict.scene.environment import Environment
     from meshdepict.shapes.mesh import Mesh
 
-__all__ = ["Probes", "Transfer", "traced_transfer"]
+__all__ = [
+    "RAY_BYTES",
+    "USUAL",
+    "Leaving",
+    "Probes",
+    "Transfer",
+    "fits_memory",
+    "places",
+    "probe_places",
+    "traced_part",
+    "traced_transfer",
+]
 
 Floats = NDArray[np.float64]
 Single = NDArray[np.float32]
-Bend = Callable[[Single, NDArray[np.int64]], None]
+Ints = NDArray[np.int64]
+Places = tuple[Floats, NDArray[Any], Floats]
+Bend = Callable[[Single, Ints], None]
 
 _WEIGHTS = 65_535  # of a barycentric coordinate of 1
-_A_HIT = 8  # bytes
+RAY_BYTES = 16
+"""What a ray takes at most while it is traced: 8 as it is kept, 8 until all are put together."""
+
 _ANY = np.float32(-2)  # cosine that every ray's to the normal is above
 _HORIZON = np.float32(0)
+
+
+class Leaving(NamedTuple):
+    """How rays leave samples.
+
+    Attributes
+    ----------
+    height : callable
+        How dense they are; see `rays.RaySet`. Whoever takes another than `cosine_weighted` has to
+        weigh what they bring.
+    bend : callable, optional
+        Turns the directions (k, rays, 3) of the samples of some numbers (k,), in place, before rays
+        leave along them. What goes below the horizon of the normal then counts for nothing: it
+        brings no light, and is among the rays.
+    samples : array of int, optional
+        The samples' numbers; from 0 on unless given.
+    """
+
+    height: Callable[[Floats], Floats] = cosine_weighted
+    bend: Bend | None = None
+    samples: Ints | None = None
+
+    def of(self, some: Ints) -> Leaving:
+        """Return that of some of the samples."""
+        return self._replace(samples=some if self.samples is None else self.samples[some])
+
+    def turned(self, begin: int, end: int) -> Callable[[Single], None] | None:
+        """Return what turns the directions of samples [begin, end)."""
+        bend, numbers = self.bend, self.samples
+        if bend is None:
+            return None
+        here = np.arange(begin, end) if numbers is None else numbers[begin:end]
+        return lambda directions: bend(directions, here)
+
+
+USUAL = Leaving()
 
 
 @dataclass(frozen=True, eq=False)
@@ -144,12 +195,12 @@ class Probes:
     ----------
     chosen : (k,) array of int
         Which samples.
-    transfer : Transfer
+    transfer : Transfer or Retraced
         Of those, as many rays from each.
     """
 
     chosen: NDArray[np.int64]
-    transfer: Transfer
+    transfer: Any
 
     def error(self, values: NDArray[Any], again: NDArray[Any]) -> float:
         """Return the rms error of values (n, …), from those (k, …) that the second set found."""
@@ -159,14 +210,18 @@ class Probes:
         return float(np.sqrt(np.mean(difference**2) / 2))
 
 
+def fits_memory(samples: int, rays: int) -> bool:
+    """Whether so many rays from each of so many samples can be kept in the memory allowed."""
+    return RAY_BYTES * rays * samples <= max_memory()
+
+
 def traced_transfer(
     mesh: Mesh,
     *,
     normals: NDArray[Any] | None = None,
     rays: int = 64,
     part: slice = slice(None),
-    height: Callable[[Floats], Floats] = cosine_weighted,
-    bend: Bend | None = None,
+    how: Leaving = USUAL,
     done: Callable[[int], None] | None = None,
 ) -> Transfer:
     """Trace the rays from the vertices of a mesh, and of a thousand of them once more.
@@ -180,13 +235,8 @@ def traced_transfer(
         Per vertex, 2 … 65536.
     part : slice
         Of which vertices; all unless given.
-    height : callable
-        How dense they are; see `rays.RaySet`. Whoever takes another than `cosine_weighted` has to
-        weigh what they bring.
-    bend : callable, optional
-        Turns the directions (k, rays, 3) of the samples of some numbers (k,), in place, before rays
-        leave along them. What goes below the horizon of the normal then counts for nothing: it
-        brings no light, and is among the rays.
+    how : Leaving
+        Cosine-weighted unless given.
     done : callable, optional
         Called with the number of a finished batch.
 
@@ -196,25 +246,43 @@ def traced_transfer(
         For another number of rays, and for more than memory holds.
     """
     count = checked_rays(rays)
-    needed = 2 * _A_HIT * count * len(mesh.vertices)
-    if needed > max_memory():
+    at = places(mesh, normals, part)
+    if not fits_memory(len(at[0]), count):
+        needed = RAY_BYTES * count * len(at[0])
         raise MeshdepictError(
-            f"rays={count} from {len(mesh.vertices):,} samples may take {as_text(needed)}, more "
+            f"rays={count} from {len(at[0]):,} samples may take {as_text(needed)}, more "
             f"than the {as_text(max_memory())} of memory that are allowed: take fewer, or allow "
             "more with --max-memory"
         )
+    chosen, again, steps = probe_places(at)
+    second = traced_part(mesh, again, count, steps=steps, how=how.of(chosen))
+    return _traced(mesh, *at, count, FIRST, how=how, probes=Probes(chosen, second), done=done)
+
+
+def places(mesh: Mesh, normals: NDArray[Any] | None = None, part: slice = slice(None)) -> Places:
+    """Return points, normals and where rays start off (n, 3) of a mesh's vertices, or of a part."""
     where = mesh.normals if normals is None else np.asarray(normals)
-    points, lifts = mesh.unit_points[part], lifted(mesh.unit_points, where)[part]
-    where = where[part]
-    chosen = probed(len(points))
-    second = _traced(
-        mesh, points[chosen], where[chosen], lifts[chosen], RaySet(count, height), AGAIN,
-        bend=None if bend is None else lambda d, here: bend(d, chosen[here]),
-    )  # fmt: skip
-    return _traced(
-        mesh, points, where, lifts, RaySet(count, height), FIRST, bend=bend,
-        probes=Probes(chosen, second), done=done,
-    )  # fmt: skip
+    return mesh.unit_points[part], where[part], lifted(mesh.unit_points, where)[part]
+
+
+def probe_places(at: Places) -> tuple[NDArray[np.int64], Places, Steps]:
+    """Return which samples tell the error, what `places` says of them, and by which rays."""
+    chosen = probed(len(at[0]))
+    points, normals, lifts = (each[chosen] for each in at)
+    return chosen, (points, normals, lifts), AGAIN
+
+
+def traced_part(
+    mesh: Mesh,
+    at: Places,
+    rays: int,
+    *,
+    steps: Steps = FIRST,
+    how: Leaving = USUAL,
+    done: Callable[[int], None] | None = None,
+) -> Transfer:
+    """Trace the rays of some samples; ``at`` as `places` has them."""
+    return _traced(mesh, *at, rays, steps, how=how, done=done)
 
 
 def _traced(
@@ -222,14 +290,15 @@ def _traced(
     points: Floats,
     normals: NDArray[Any],
     lifts: Floats,
-    ray_set: RaySet,
+    rays: int,
     steps: Steps,
     *,
-    bend: Bend | None,
+    how: Leaving,
     probes: Probes | None = None,
     done: Callable[[int], None] | None = None,
 ) -> Transfer:
-    scene, rays = ray_scene(mesh), ray_set.rays
+    scene, ray_set = ray_scene(mesh), RaySet(rays, how.height)
+    least = _ANY if how.bend is None else _HORIZON
     outward = mesh.outward_faces
     a, b, c = (mesh.unit_points[corner] for corner in outward.T)
     facing = np.cross(b - a, c - a)
@@ -246,17 +315,16 @@ def _traced(
         here = slice(begin, end)
         axes = np.asarray(normals[here], np.float64)
         bundle = ray_set.leaving(
-            points[here], lifts[here], axes, steps, ahead=True,
-            bend=None if bend is None else lambda d: bend(d, np.arange(begin, end)),
-        )  # fmt: skip
+            points[here], lifts[here], axes, steps, ahead=True, bend=how.turned(begin, end)
+        )
         met = scene.run(*bundle.flat, query="INTERSECT", output=True)
         size = (end - begin) * rays
         counts = np.zeros((2, end - begin), np.int64)
         triangle, weights = np.empty(size, np.int32), np.empty((size, 2), np.uint16)
         sky = np.empty(size, np.uint16)
         hit, missed = _sorted_out(
-            bundle.directions, axes.astype(np.float32), _ANY if bend is None else _HORIZON,
-            met["primID"], met["u"], met["v"], facing, counts, triangle, weights, sky,
+            bundle.directions, axes.astype(np.float32), least, met["primID"], met["u"], met["v"],
+            facing, counts, triangle, weights, sky,
         )  # fmt: skip
         parts[number] = counts, triangle[:hit].copy(), weights[:hit].copy(), sky[:missed].copy()
 

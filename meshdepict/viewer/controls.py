@@ -36,6 +36,8 @@ class Control:
         Of a slider; a step of 1 for whole numbers, 0 for any.
     choices : tuple of str
         Of a list.
+    words : tuple of str
+        That may stand in place of a slider's number.
     """
 
     name: str
@@ -48,6 +50,7 @@ class Control:
     high: float = 1.0
     step: float = 0.0
     choices: tuple[str, ...] = ()
+    words: tuple[str, ...] = ()
 
     @property
     def start(self) -> Any:
@@ -66,8 +69,10 @@ HEIGHTS = Control(
 """How high terrain stands: cartographers' vertical exaggeration, mostly 1 to 5."""
 
 
-def slid(value: Any) -> float:
-    """Return where a slider stands: at the number, in the middle of several."""
+def slid(control: Control, value: Any) -> float:
+    """Return where a slider stands: at the number, in the middle of several, where it began."""
+    if value is None or isinstance(value, str):
+        value = control.start
     return sum(value) / len(value) if isinstance(value, tuple) else value
 
 
@@ -112,5 +117,6 @@ def _control(option: Option) -> Control:
         return Control(name, "text", label, help_, default, unit=accepts.unit)
     step = 1.0 if option.kind is int else 0.0
     return Control(
-        name, "slider", label, help_, default, unit=accepts.unit, low=low, high=high, step=step
-    )
+        name, "slider", label, help_, default, unit=accepts.unit, low=low, high=high, step=step,
+        words=accepts.words,
+    )  # fmt: skip

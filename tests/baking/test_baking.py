@@ -13,7 +13,7 @@ from meshdepict.errors import MeshdepictError
 from meshdepict.io import read_provenance, write_mesh
 from meshdepict.shapes import samples
 from meshdepict.shapes.mesh import Mesh
-from meshdepict.sums import gaussian as gaussian_module
+from meshdepict.sums.gaussian import GaussianSums
 
 QUICK = {"scales": 2, "tolerance": 1e-3}
 
@@ -103,13 +103,13 @@ def test_names_of_lights_follow_the_view(small):
 def sums(monkeypatch):
     """The widths at which Gaussian sums are computed, as they are."""
     calls = []
-    compute = gaussian_module.gaussian_sums
+    compute = GaussianSums.at
 
-    def counted(points, channels, width, **options):
+    def counted(self, width, **options):
         calls.append(width)
-        return compute(points, channels, width, **options)
+        return compute(self, width, **options)
 
-    monkeypatch.setattr(gaussian_module, "gaussian_sums", counted)
+    monkeypatch.setattr(GaussianSums, "at", counted)
     return calls
 
 

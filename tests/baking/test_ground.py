@@ -46,7 +46,7 @@ def test_the_shadow_of_a_sphere_is_where_it_falls(sphere):
 
 def test_it_sends_light_up_as_an_endless_plane_would(sphere):
     # Under a light from straight above the ground sends 1, and the shadow of the sphere 0.
-    options = {"light": (0, 1, 0), "shadows": True, "rays": 4096}
+    options = {"light": (0, 1, 0), "shadows": True, "rays": 256}
     high = md.Mesh(sphere.vertices + np.array((0, 4.0, 0)), sphere.faces)
     ground = md.ground_under([high, md.Mesh(sphere.vertices, sphere.faces)], size=12)
     none, once = (
@@ -54,10 +54,10 @@ def test_it_sends_light_up_as_an_endless_plane_would(sphere):
         for k in (0, 1)
     )
     got = once.astype(float) - none
-    lowest = high.vertices[:, 1].argmin()
+    lowest = np.argsort(high.vertices[:, 1])[:12]
     # A unit disc at height h below is seen by 1/(1 + h²) of a surface that faces it.
-    height = high.vertices[lowest, 1] + 1
-    assert got[lowest] == pytest.approx(1 - 1 / (1 + height**2), abs=0.01)
+    height = high.vertices[lowest, 1].mean() + 1
+    assert got[lowest].mean() == pytest.approx(1 - 1 / (1 + height**2), abs=0.015)
     top = high.vertices[:, 1].argmax()
     assert got[top] < 0.003
 
@@ -167,7 +167,7 @@ def test_the_built_in_golf_ball_stands_on_it_too(run, folder):
 
 
 def test_what_has_no_ground_says_so(run, ball_ply):
-    with pytest.raises(MeshdepictError, match="ground='wet' is neither 'matt' nor None"):
+    with pytest.raises(MeshdepictError, match="ground='wet' is neither 'matt' nor 'mirror'"):
         md.bake(ball_ply, ground="wet")
     with pytest.raises(MeshdepictError, match="ground is about a mesh, and this is a volume"):
         md.bake_volume(ct_phantom(size=(8, 8, 8)), ground="matt")

@@ -5,7 +5,7 @@ import pytest
 from parts import bevelled_box, box, cylinder, plane_normals, running_out
 
 import meshdepict as md
-from meshdepict.scales.patches import patch_sums
+from meshdepict.scales.patches import PatchSums
 from meshdepict.shapes.parted import parted_at_creases
 from meshdepict.sums.gaussian import gaussian_sums
 
@@ -24,7 +24,7 @@ def scattered(sizes):
 @pytest.mark.parametrize("width", [0.05, 0.5, 5.0])
 def test_each_patch_is_summed_as_if_it_were_alone(width):
     patches, points, channels = scattered([1, 5, 5, 64, 65, 300])
-    found = patch_sums(patches, points, channels, width, error=1e-7)
+    found = PatchSums(patches, points, channels).at(width, error=1e-7)
     for patch in range(6):
         own = patches == patch
         squared = ((points[own][:, None] - points[own]) ** 2).sum(axis=-1)
@@ -35,7 +35,7 @@ def test_each_patch_is_summed_as_if_it_were_alone(width):
 def test_one_patch_is_all():
     _, points, channels = scattered([300])
     np.testing.assert_array_equal(
-        patch_sums(None, points, channels, 0.3, error=1e-6),
+        PatchSums(None, points, channels).at(0.3, error=1e-6),
         gaussian_sums(points, channels, 0.3, error=1e-6),
     )
 
@@ -44,10 +44,10 @@ def test_only_targets_are_summed():
     patches, points, channels = scattered([5, 5, 100, 100])
     targets = (patches == 0) | ((patches == 2) & (points[:, 0] > 0))
     done = []
-    found = patch_sums(
-        patches, points, channels, 0.5, error=1e-7, targets=targets, heaviest=1.0, done=done.append
+    found = PatchSums(patches, points, channels).at(
+        0.5, error=1e-7, targets=targets, heaviest=1.0, done=done.append
     )
-    whole = patch_sums(patches, points, channels, 0.5, error=1e-9)
+    whole = PatchSums(patches, points, channels).at(0.5, error=1e-9)
     assert not found[:, ~targets].any()
     assert (np.abs(found - whole)[:, targets] <= 1.1e-7 * whole[0, targets]).all()
     assert sum(done) == 1

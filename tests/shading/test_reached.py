@@ -9,7 +9,7 @@ import pytest
 import meshdepict as md
 from meshdepict import shading
 from meshdepict.color.srgb import linear_to_srgb
-from meshdepict.errors import MeshdepictError
+from meshdepict.errors import MeshdepictError, MeshdepictWarning
 from meshdepict.options import options_of
 from meshdepict.scales.chosen_samples import ChosenSamples
 from meshdepict.scales.interpolated_scales import InterpolatedSpace
@@ -21,7 +21,7 @@ from meshdepict.shading import METHODS
 from meshdepict.shading.hidden_light import albedo, matt
 from meshdepict.shapes.phantom import ct_phantom
 from meshdepict.transport import rays as transport_rays
-from meshdepict.transport import transfer
+from meshdepict.transport import shadows, transfer
 
 HIDING = [name for name in METHODS if "bounces" in options_of(METHODS[name])]
 hiding = pytest.mark.parametrize("method", HIDING)
@@ -342,3 +342,70 @@ def test_the_closing_line_says_how_sure_light_is(run, ball_ply):
     status, out, _ = run("bake", "ball.ply", "-m", "lambert", "--force")
     assert status == 0
     assert "grey levels" not in out[0]
+
+
+def test_the_side_that_is_seen_is_traced_once_for_all_lights(monkeypatch):
+    calls = []
+    real = transfer.traced_transfer
+    monkeypatch.setattr(
+        transfer, "traced_transfer", lambda *a, **k: calls.append(k["rays"]) or real(*a, **k)
+    )
+    sheet = md.samples.wavy_sheet(400, amplitude=0.3)
+    front, behind, aslant = (
+        View(np.array(position) * 5.0, (0, 0, 0), (0, 1, 0), parallel_scale=1)
+        for position in ((0, 0, 1), (0, 0, -1), (1, 0, 0.1))
+    )
+    space = md.scale_space(sheet, scales=0)
+    options = {"bounces": 1, "rays": 16, "shadows": True}
+    plain = shading.lambert(space, SIDE, **options)
+    # Where all of it is seen from the front, that is what there is already.
+    np.testing.assert_array_equal(
+        shading.lambert(space, SIDE, two_sided=True, view=front, **options), plain
+    )
+    assert len(calls) == 1
+    for light in (SIDE, (0, 0, -1), "north"):
+        shading.lambert(space, light, two_sided=True, view=behind, **options)
+    assert len(calls) == 2
+    turned = shading.lambert(space, SIDE, two_sided=True, view=aslant, **options)
+    assert len(calls) == 3
+    again = md.scale_space(sheet, scales=0)
+    alone = shading.lambert(again, SIDE, two_sided=True, view=aslant, **options)
+    np.testing.assert_array_equal(turned, alone)
+
+
+def test_lights_that_stay_are_traced_once(space, monkeypatch):
+    asked = []
+    real = shadows.seen_directions
+    monkeypatch.setattr(
+        shadows, "seen_directions", lambda *a, **k: asked.append(len(a[1])) or real(*a, **k)
+    )
+    first = shading.lambert(space, SIDE, shadows=True)
+    brighter = shading.lambert(space, SIDE, shadows=True, exposure=2)
+    np.testing.assert_array_equal(brighter, np.minimum(2 * first, 1))
+    assert asked == [1]
+    pixels = np.full((32, 64, 3), 0.05, np.float32)
+    pixels[10:12, 15:19] = 200
+    sky = Environment(pixels)
+    shown = shading.phong(space, sky, shadows=True, rays=16, **MATT)
+    lamps = asked[1:]
+    assert len(lamps) == 1 < lamps[0]  # all lamps of a sky at once
+    dim = Environment(pixels / 2)
+    half = shading.phong(space, dim, shadows=True, rays=16, **MATT)
+    np.testing.assert_allclose(half[shown < 1], shown[shown < 1] / 2, atol=1e-6)
+    assert len(asked) == 2
+    # The last 128 directions are kept.
+    for azimuth in range(130):
+        shading.lambert(space, (azimuth, 30.0), shadows=True)
+    shading.lambert(space, SIDE, shadows=True)
+    assert len(asked) == 2 + 130 + 1
+
+
+def test_a_disc_without_shadows_gets_a_note(ball):
+    disc = Light(SIDE, spread=20)
+    for method in ("lambert", "exaggerated"):
+        with pytest.warns(MeshdepictWarning, match="a disc of light, here of 20 degrees") as notes:
+            md.bake(ball, method, light=disc)
+        assert len(notes) == 1
+        assert "--set shadows=true" in str(notes[0].message)
+    md.bake(ball, "lambert", light=disc, shadows=True)
+    md.bake(md.scale_space(ball, scales=0), "lambert", light=disc)  # a viewer's next light

@@ -84,5 +84,7 @@ def test_what_cannot_have_a_ground_is_refused(torus):
     for size in (0.5, 1000, "wide"):
         with pytest.raises(MeshdepictError, match="is not a number of diagonals from 1 to 100"):
             md.ground_under(torus, size=size)
+    with pytest.raises(MeshdepictError, match="mirror='yes' is neither True nor False"):
+        md.ground_under(torus, mirror="yes")
     with pytest.raises(MeshdepictError, match="up='w' is not one of"):
         md.ground_under(torus, up="w")

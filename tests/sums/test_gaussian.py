@@ -6,6 +6,7 @@ from meshdepict.sums import direct_sums as direct
 from meshdepict.sums import gaussian
 from meshdepict.sums import spectral_sums as spectral
 from meshdepict.sums.gaussian import gaussian_sums
+from meshdepict.sums.grid_sums import PointGrid
 
 WIDTHS = [0.01, 0.05, 0.2, 1.0, 10.0]
 
@@ -20,13 +21,15 @@ def channels(points, rng, count=4):
     return np.vstack([mass, mass * rng.uniform(-1, 1, (count - 1, len(points)))])
 
 
-@pytest.fixture(params=["direct", "spectral", "chosen"])
+@pytest.fixture(params=["direct", "grid", "spectral", "chosen"])
 def way(request, monkeypatch):
-    """Run a test with either way forced, and with the choice left to the estimated cost."""
+    """Run a test with each way forced, and with the choice left to the estimated cost."""
+    if request.param in ("direct", "spectral"):
+        monkeypatch.setattr(gaussian.grid, "rule_for", lambda *a: None)
     if request.param == "direct":
         monkeypatch.setattr(gaussian.spectral, "least_cost", lambda *a: np.inf)
-    if request.param == "spectral":
-        monkeypatch.setattr(gaussian, "_direct_cost", lambda *a: np.inf)
+    if request.param in ("grid", "spectral"):
+        monkeypatch.setattr(gaussian, "_pair_cost", lambda *a: np.inf)
     return request.param
 
 
@@ -135,10 +138,12 @@ def test_the_work_is_reported(way, rng):
     assert sum(shares) == pytest.approx(1)
 
 
-def test_wide_sums_are_done_in_frequency_space_and_narrow_ones_by_neighbours(monkeypatch, rng):
-    """The estimated cost decides: a call count, not a timing."""
+def test_the_estimated_cost_and_the_error_choose_the_way(monkeypatch, rng):
+    """A call count, not a timing."""
     calls = []
-    for module, name in ((spectral, "spectral_sums"), (direct, "direct_sums")):
+    for module, name in (
+        (spectral, "spectral_sums"), (direct, "direct_sums"), (PointGrid, "sums"),
+    ):  # fmt: skip
         original = getattr(module, name)
         monkeypatch.setattr(
             module, name, lambda *a, _n=name, _f=original, **k: calls.append(_n) or _f(*a, **k)
@@ -149,4 +154,7 @@ def test_wide_sums_are_done_in_frequency_space_and_narrow_ones_by_neighbours(mon
     assert set(calls) == {"direct_sums"}
     calls.clear()
     gaussian_sums(points, c, 1.0, error=1e-4)
+    assert set(calls) == {"sums"}
+    calls.clear()
+    gaussian_sums(points, c, 1.0, error=1e-7)
     assert set(calls) == {"spectral_sums"}

@@ -155,3 +155,38 @@ def test_a_scale_space_computes_occlusion_once(ball, monkeypatch):
     assert not first.flags.writeable
     space.occlusion(16)
     assert calls == [{"rays": 8}, {"rays": 16}]
+
+
+def test_nothing_leaks_through_the_creases_of_a_closed_room(rng):
+    # Walls with vertices of their own, turned so that rounding is everywhere.
+    turn = np.linalg.qr(rng.normal(size=(3, 3)))[0]
+    corners = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)], float)
+    walls = np.array(
+        [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]]
+    )
+    vertices = corners[walls.ravel()] @ turn.T
+    quads = np.arange(24).reshape(6, 4)
+    faces = np.vstack([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]])
+    inward = np.repeat([np.eye(3)[i // 2] * (1 - 2 * (i % 2)) for i in range(6)], 4, axis=0)
+    room = md.Mesh(vertices, faces, winding="keep")
+    middle = vertices.reshape(6, 4, 3).mean(axis=1)
+    normals = inward @ turn.T
+    # Each wall's normal looks to the room's middle.
+    inwards = vertices.mean(axis=0) - np.repeat(middle, 4, axis=0)
+    assert (np.einsum("ij,ij->i", inwards, normals) > 0).all()
+    at = vertices, normals
+    assert not ambient_openness(room, at=at).values.any()
+    assert not sky_openness(room, normals, at=at, even=True).values.any()
+
+
+def test_elsewhere_rays_start_where_they_always_did(ball, rng, monkeypatch):
+    points, normals = ball.vertices, ball.normals
+    twice = rng.integers(0, len(points), 900)  # some of them more than once, as along a seam
+    found = [
+        ambient_openness(ball, at=(points[some], normals[some]), rays=16).values
+        for some in (np.arange(len(points)), twice)
+    ]
+    monkeypatch.setattr(occlusion, "lifted", lambda _, own: own)
+    np.testing.assert_array_equal(ambient_openness(ball, rays=16).values, found[0])
+    again = ambient_openness(ball, at=(points[twice], normals[twice]), rays=16).values
+    np.testing.assert_array_equal(again, found[1])

@@ -121,7 +121,7 @@ class Desk:
         with TemporaryDirectory(prefix="meshdepict-") as folder:
             path = Path(folder) / self.name(kind)
             if kind == "recipe":
-                save_recipe(path, self.session.settled())
+                save_recipe(path, self.session.recorded())
             elif kind == "png":
                 baked.picture(path, size=size)
             elif kind == "html":
@@ -134,11 +134,12 @@ class Desk:
         value = self.session.value(control)
         shown = control.start if value is None else value
         if control.kind == "slider":
-            shown = slid(shown)
+            shown = slid(control, value)
         if control.kind == "text":
             shown = "" if value is None else as_text(value)
+        word = value if control.kind == "slider" and isinstance(value, str) else ""
         return {**asdict(control), "default": None, "value": _plain(shown), "unset": value is None,
-                "changed": value != control.default}  # fmt: skip
+                "word": word, "changed": value != control.default}  # fmt: skip
 
     # --- changes ------------------------------------------------------------------------------
 

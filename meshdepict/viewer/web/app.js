@@ -62,6 +62,9 @@
               <button v-if="control.changed" type="button" class="undo"
                 :aria-label="'Default of ' + control.label" title="back to the default"
                 @click="option(control, null)">↺</button>
+              <button v-for="word in control.words" v-show="control.word !== word" :key="word"
+                type="button" class="undo" :title="control.label + ': ' + word"
+                @click="option(control, word)">{{ word }}</button>
               <output :for="'option-' + control.name">{{ said(control) }}</output>
             </span>
             <input v-if="control.kind === 'slider'" type="range" :id="'option-' + control.name"
@@ -156,6 +159,7 @@
       words: (name) => name.replaceAll("_", " "),
       said(control) {
         if (control.kind !== "slider") return "";
+        if (control.word) return control.word;
         const number = Number(Number(control.value).toPrecision(3));
         return control.unset ? "auto" : `${number} ${control.unit}`;
       },
@@ -246,7 +250,8 @@
         this.change("method", name);
       },
       option(control, value) {
-        if (value !== null) control.value = value;
+        control.word = control.words.includes(value) ? value : "";
+        if (value !== null && !control.word) control.value = value;
         control.unset = value === null && control.unset;
         this.change("option", this.look.method, control.name, value);
       },

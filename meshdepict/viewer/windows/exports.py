@@ -70,5 +70,5 @@ def save_look(session: Session, name: str, *, folder: str | Path = ".") -> Path:
         For what no recipe can hold: several lights, a panorama or a material of one's own.
     """
     path = free_path(f"{name}-{session.method}", ".toml", folder)
-    save_recipe(path, session.settled())
+    save_recipe(path, session.recorded())
     return path

@@ -113,10 +113,8 @@ class OptionPanel:
             self._build()
         for control, _, shape, number in self._sliders:
             value = self._value(control)
-            said = "several" if isinstance(value, tuple) else f"{value or 0.0:.5g}{control.unit}"
-            number.SetInput("auto" if value is None else said)
-            place = control.start if value is None else slid(value)
-            shape.SetValue(min(max(place, control.low), control.high))
+            number.SetInput(_said(control, value))
+            shape.SetValue(min(max(slid(control, value), control.low), control.high))
         for i, (control, line) in enumerate(self._lists):
             line.SetInput(f"{i + 1}   {control.label}: {self._value(control)}")
 
@@ -196,3 +194,10 @@ class OptionPanel:
         )
         widget.On()
         return Slider(control, widget, shape, number)
+
+
+def _said(control: Control, value: Any) -> str:
+    """Return what stands beside a slider."""
+    if value is None or isinstance(value, str):
+        return value or "auto"
+    return "several" if isinstance(value, tuple) else f"{value:.5g}{control.unit}"
