@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from meshdepict import congruence, curvature, shading
     from meshdepict.baking.baked import Baked
     from meshdepict.baking.baked_texture import BakedTexture
-    from meshdepict.baking.look import bake, bake_volume
+    from meshdepict.baking.look import bake, bake_together, bake_volume
     from meshdepict.baking.method_list import methods
     from meshdepict.baking.plates import plate
     from meshdepict.baking.recipe import load_recipe, save_recipe
@@ -36,6 +36,7 @@ if TYPE_CHECKING:
     from meshdepict.shading.method import method
     from meshdepict.shapes import samples
     from meshdepict.shapes.gbuffer import GBuffer
+    from meshdepict.shapes.ground_plane import ground_under
     from meshdepict.shapes.height_field import HeightField
     from meshdepict.shapes.mesh import Mesh
     from meshdepict.shapes.volume import Volume
@@ -57,10 +58,12 @@ __all__ = [
     "Volume",
     "bake",
     "bake_texture",
+    "bake_together",
     "bake_volume",
     "compare",
     "congruence",
     "curvature",
+    "ground_under",
     "load_recipe",
     "method",
     "methods",
@@ -93,8 +96,10 @@ _HOME = {
     "Volume": "shapes.volume",
     "bake": "baking.look",
     "bake_texture": "baking.textures",
+    "bake_together": "baking.look",
     "bake_volume": "baking.look",
     "compare": "congruence.comparison",
+    "ground_under": "shapes.ground_plane",
     "load_recipe": "baking.recipe",
     "method": "shading.method",
     "methods": "baking.method_list",

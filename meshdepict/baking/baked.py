@@ -183,9 +183,13 @@ class Baked(Depiction):
         What was shaded, for the next light; None of a refined bake.
     look : Choices or None
         How it was baked, with what followed from the shape; None where nobody said.
+    scene : Baked or None
+        What pictures show: it with all that it was baked together with, and their ground. None:
+        itself.
     """
 
     shape: Mesh | HeightField | GBuffer
+    scene: Baked | None = None
 
     def __init__(
         self,
@@ -330,4 +334,4 @@ class Baked(Depiction):
 
         if isinstance(self.shape, GBuffer):
             return image_page(self, figure)
-        return draw_page(self, figure)
+        return draw_page(self.scene or self, figure)

@@ -49,9 +49,14 @@ def _choice(
     *,
     group: str = "Look",
     only: tuple[str, ...] = (),
+    alone: str = "",
 ) -> Any:
-    """Declare a choice: what it is for, where help lists it, and which kinds alone have it."""
-    return field(default=default, metadata={"help": help, "group": group, "only": only})
+    """Declare a choice: what it is for, where help lists it, and which kinds alone have it.
+
+    ``alone`` is what its word on the command line stands for without a value.
+    """
+    about = {"help": help, "group": group, "only": only, "alone": alone}
+    return field(default=default, metadata=about)
 
 
 @dataclass(frozen=True, init=False, eq=False)
@@ -103,6 +108,9 @@ class ChoiceList:
         Split the triangles inside which interpolated colours are off by more than so many of 255
         grey levels, until they are not (five times at most); see `Baked.edge_error`. New vertices
         come after the old ones.
+    ground : {"matt", "mirror"}, optional
+        A level ground under a mesh, which pictures show; see `ground_under`. What is matt catches
+        shadows and sends light up, a mirror shows what stands on it.
     two_sided : bool
         Shade the side that the view sees, also where faces look away from it.
     z_factor : float
@@ -210,6 +218,13 @@ class ChoiceList:
         "keep: multiply the file's own colours, or its texture's.",
         group="Files",
         only=_SURFACES,
+    )
+    ground: Literal["matt", "mirror"] | None = _choice(
+        None,
+        "A level ground under the object that pictures show: matt, for shadows and bounces, which "
+        "--ground alone means, or a mirror.",
+        only=(MESH,),
+        alone="matt",
     )
     two_sided: bool = _choice(
         False,  # noqa: FBT003

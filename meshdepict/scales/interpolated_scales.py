@@ -65,6 +65,8 @@ class InterpolatedSpace(ScaleSpace):
             source.shape, None, source.widths, source.ratio, own,
             facing=source.facing, tolerance=source.tolerance,
         )  # fmt: skip
+        self.tints = source.tints
+        self.company, self.member = source.company, source.member
 
     @property
     def points(self) -> Floats:
@@ -80,8 +82,13 @@ class InterpolatedSpace(ScaleSpace):
 
     @property
     def surface(self) -> Mesh:
-        """The mesh that the samples lie on."""
+        """What rays from the samples can meet."""
         return self.source.surface
+
+    @property
+    def own_surface(self) -> Mesh:
+        """The mesh that the samples lie on."""
+        return self.source.own_surface
 
     @property
     def vertical(self) -> NDArray[np.float64]:

@@ -52,7 +52,7 @@ from meshdepict.shading.reached import (
     ray_count,
     reached,
 )
-from meshdepict.shading.sampled import AUTO_RAYS
+from meshdepict.shading.sampled import AUTO_RAYS, used_rays
 from meshdepict.shading.scaling_equation import LEAST_INVARIANT, scaling
 from meshdepict.shading.surroundings import (
     as_environment,
@@ -65,6 +65,9 @@ from meshdepict.shading.surroundings import (
 __all__ = ["LEAST_INVARIANT", "radiance_scaling", "scaling"]
 
 Floats = NDArray[Any]
+Single = NDArray[np.float32]
+
+_BRIGHTEST = np.float32(1e10)  # that is scaled again, by e^60 at most, where light is mirrored
 
 
 def _reads(
@@ -78,6 +81,7 @@ def _reads(
     shadows: bool,
     bounces: int,
     rays: int | str,
+    roughness: float | None,
     **options: Any,
 ) -> Reads:
     """Return the shape's own normals, with what scales light, and rays if they are wanted."""
@@ -86,7 +90,11 @@ def _reads(
     hidden = ray_count(shadows=shadows, bounces=bounces, rays=rays or USUAL_RAYS)
     rays = 0 if isinstance(rays, str) else rays  # which precomputed light refuses
     gathered = {"occlusion": rays or 256, "irradiance": rays}.get(illumination, hidden)
-    own = Reads(normals=frozenset((0,)), rays=gathered if lit else 0)
+    if not lit:  # a smooth mirror has one ray, a painting none
+        rough = isinstance(shown, (Mirror, Refractive)) and (roughness or shown.roughness)
+        gathered = 0 if isinstance(shown, LitSphere) else int(shadows or bounces > 0)
+        gathered *= (rays or USUAL_RAYS) if rough else 1
+    own = Reads(normals=frozenset((0,)), rays=gathered)
     return own | bends(scale, curvature) if _bends(shown, gain, **options) else own
 
 
@@ -212,7 +220,9 @@ def radiance_scaling(
     shadows, bounces : bool, int
         With light by light alone. Light that comes by rays, from the sky and by bounces, is scaled
         ray by ray, δ = n·d, by κ without its anisotropy; the ambient term neither is hidden nor
-        bounces, and highlights of an environment stay where its matt light is hidden.
+        bounces. Highlights, too, are of what rays meet: the sky or the surface. A mirror shows the
+        surface: mirrored as often as bounces says, then the environment, or nothing where shadows
+        hide that. A refractive body lets light out by up to so many walls within.
     enhance : {"first", "all"}
         "all" is the paper's fig. 11, of the surface's own curvature. Where albedo times scaling is
         above 1 light grows from bounce to bounce: the sum of so many bounces is finite still, and
@@ -232,7 +242,7 @@ def radiance_scaling(
         bounces of what has none.
     """
     if shadows or bounces:
-        refuse_unhidden(as_material(material), illumination)
+        refuse_unhidden(as_material(material), illumination, shadows=shadows)
         if enhance == "all" and curvature != "object":
             raise MeshdepictError(
                 f"enhance='all' is of the surface's own curvature: leave curvature={curvature!r} "
@@ -259,12 +269,33 @@ def radiance_scaling(
     def scaled(value: Floats, delta: ArrayLike, gamma: float) -> Floats:
         return (value.T * scaling(kappa, delta, invariant=invariant, magnitude=gamma)).T
 
+    def bend_of_vertices() -> Single:
+        vertices = space.vertex_space
+        if vertices is space:
+            return kappa
+        return convexity(
+            vertices, eye, curvature=curvature, scale=scale, gain=gain,
+            foreshortening=foreshortening,
+        )  # fmt: skip
+
     if isinstance(chosen, LitSphere):
         colors = sphere_colors(space, eye, chosen, kappa)
         shaded = scaled(colors, luminance(colors), gamma_d)
     elif isinstance(chosen, (Mirror, Refractive)):
-        shown = seen(space, light, eye, chosen, frames, warping)
-        brightest = np.float32(max(as_environment(light, "a mirror").brightest, 1e-30))
+        brightest = np.float32(max(as_environment(light, type(chosen).__name__).brightest, 1e-30))
+
+        def mirrored(shown: Floats, bend: Floats) -> Floats:
+            delta = luminance(shown) / brightest
+            factor = scaling(bend, delta, invariant=invariant, magnitude=gamma_s)
+            return np.minimum(shown.T * factor, _BRIGHTEST).T
+
+        on_the_way = None
+        if enhance == "all" and bounces and frames is not None and gamma_s:
+            on_the_way = mirrored, bend_of_vertices()
+        shown = seen(
+            space, light, eye, chosen, frames, warping, shadows=shadows, bounces=bounces,
+            rays=used_rays(space, rays or USUAL_RAYS), scaled=on_the_way,
+        )  # fmt: skip
         shaded = scaled(shown, luminance(shown) / brightest, gamma_s)
     elif illumination != "lights":
         if isinstance(rays, str):
@@ -282,14 +313,7 @@ def radiance_scaling(
         if shadows or bounces:
             gathering: Gathering = PLAIN
             if frames is not None and gamma_d and (bounces or environments):
-                vertices = space.vertex_space
-                bend = kappa
-                if vertices is not space:
-                    bend = convexity(
-                        vertices, eye, curvature=curvature, scale=scale, gain=gain,
-                        foreshortening=foreshortening,
-                    )  # fmt: skip
-                gathering = Enhancement(bend, gamma_d, alpha, enhance == "all")
+                gathering = Enhancement(bend_of_vertices(), gamma_d, alpha, enhance == "all")
 
             def displayed(light: Floats) -> Floats:
                 return linear_to_srgb(exposed(ambient + albedo(chosen) * light, exposure))
@@ -301,7 +325,8 @@ def radiance_scaling(
             )  # fmt: skip
         shaded = hidden_direct(
             space, lamps, eyes(space, eye), chosen, reach, environments=environments, count=lights,
-            frames=frames, warping=warping, scaling=Scaling(gamma_d, gamma_s, alpha, anisotropy),
+            rays=used_rays(space, rays or USUAL_RAYS), frames=frames, warping=warping,
+            scaling=Scaling(gamma_d, gamma_s, alpha, anisotropy),
         )  # fmt: skip
         if ambient:
             everywhere = np.full(len(kappa), ambient, np.float32)

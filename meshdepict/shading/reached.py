@@ -5,8 +5,9 @@ options, `reached` what it asks for. With all of them off nothing is traced.
 
 Shadows hide each light by V, the share of it that a sample sees. Light bounces between matt
 surfaces: E_k = E_0 + T ρ E_{k−1}, E_0 what lights and the sky give directly, in which ρ is what the
-method's material reflects diffusely. Bounces without shadows let every light through to where it
-falls first, as without them; from there on surfaces are in each other's way as they are.
+method's material reflects diffusely, times the colours of the surface where they are kept. Bounces
+without shadows let every light through to where it falls first, as without them; from there on
+surfaces are in each other's way as they are.
 """
 
 from __future__ import annotations
@@ -18,10 +19,12 @@ from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from meshdepict.color.srgb import linear_to_srgb, srgb_to_linear
 from meshdepict.options import Flag, Range
 from meshdepict.scales.space import ScaleSpace
 from meshdepict.scene.environment import Environment
 from meshdepict.scene.light import Light
+from meshdepict.shading.company_light import sent_together
 from meshdepict.shading.gathering import PLAIN, Gathering, Gathers, fallen
 from meshdepict.shading.sampled import AUTO_RAYS, FIRST_RAYS, enough
 from meshdepict.shading.smoothed_light import calmed
@@ -81,7 +84,8 @@ class Reached(NamedTuple):
     around : (n,) or (n, 3) array, optional
         E_k − E_0 of the lights: from the sky and by bounces, in units of a cosine. None: nothing.
     sent : (v,) or (v, 3) array, optional
-        B_{k−1} of the vertices of the surface, which the last bounce brought. None: no bounce.
+        B_{k−1} of the vertices of the surface, of all objects that stand together, which the last
+        bounce brought. None: no bounce.
     """
 
     seen: Shares
@@ -127,17 +131,21 @@ def reached(
         Grey levels of error from which on light of the sky and of bounces is smoothed between
         neighbours, as far as makes it better; see `smoothed_light`. Discs and lamps are not.
     albedo : float
-        What matt surfaces send on.
+        What matt surfaces send on, times the space's ``tints`` where it has any.
     shown : callable
         What the method displays, in [0, 1], where so much light arrives.
     gathering : Gathering
         What the method makes of light at the vertices of the surface: ``around`` is gathered so.
+        Where nothing comes around, at the samples: only the error is told by it then.
 
     Raises
     ------
     MeshdepictError
         For samples that are no part of a surface.
     """
+    inside = gathering if gathering.everywhere else PLAIN  # for what is sent on
+    if space.company is not None:
+        space.company.hear(space, albedo, inside)
     if not (shadows or bounces):
         return Reached((None,) * len(lights))
 
@@ -172,16 +180,16 @@ def _sampled(
         if soft:
             places = space.surface.recentred(space.points), space.normals_at(0)
             chosen = probed(len(space.points))
-            once = fallen(PLAIN, places[1], lights, seen)[chosen]
-            at = places[0][chosen], places[1][chosen]
+            own, at = gathering.at(chosen), (places[0][chosen], places[1][chosen])
+            seen_once: Shares = tuple(one if one is None else one[chosen] for one in seen)
             seen_again = tuple(
                 space.seen_share(each, rays=rays, at=at, steps=AGAIN) for each in lights
             )
-            again = fallen(PLAIN, at[1], lights, seen_again)
+            once, again = (fallen(own, at[1], lights, each) for each in (seen_once, seen_again))
             space.light_errors[rays] = _apart(shown(once), shown(again))
         return Reached(seen)
 
-    transfer = space.transport(rays)
+    transfer = gathering.traced(space, rays)
     at = transfer.points, transfer.normals
     falling = seen
     if shadows and not space.at_vertices:
@@ -193,7 +201,6 @@ def _sampled(
         )
     inside = gathering if gathering.everywhere else PLAIN  # for what is sent on
     first = _along(gathering, transfer)
-    inner = first if inside is gathering else _along(inside, transfer)
     from meshdepict.transport.sky_cells import parted_sky
 
     parts = [parted_sky(environment) for environment in environments]
@@ -204,10 +211,30 @@ def _sampled(
     around = added(by_rays, shone)
     sent: Single | None = None
     if bounces:
-        start = fallen(inside, at[1], lights, falling)
-        start = added(start, by_rays if inner is first else _sky(inner, skies))
-        start = added(start, shone if inner is first else fallen(inside, at[1], lamps, lit))
-        sent = sent_on(inner, start, albedo=albedo, bounces=bounces)
+
+        def start(one: Gathering, inner: Gathers, normals: Any, *shares: Sequence[Any]) -> Single:
+            direct = added(fallen(one, normals, lights, shares[0]), _sky(inner, skies))
+            return added(direct, fallen(one, normals, lamps, shares[1]))
+
+        if space.company is not None:
+            sent = sent_together(
+                space.company, lights, skies, lamps,
+                shadows=shadows, bounces=bounces, rays=rays, start=start,
+            )  # fmt: skip
+        else:
+            if inside is gathering:
+                inner: Gathers = first
+                light = added(added(fallen(inside, at[1], lights, falling), by_rays), shone)
+            else:
+                # A single bounce of lights alone takes none of these rays.
+                inner = (
+                    first
+                    if bounces == 1 and not skies
+                    else _along(inside, inside.traced(space, rays))
+                )
+                light = start(inside, inner, at[1], falling, lit)
+            reflected = albedo if space.tints is None else np.float32(albedo) * space.tints
+            sent = sent_on(inner, light, albedo=reflected, bounces=bounces)
         brought = first.from_surface(sent)
         by_rays, around = added(by_rays, brought), added(around, brought)
     if probes := transfer.probes:
@@ -224,20 +251,25 @@ def _sampled(
         again = added(_sky(second, skies), shone[chosen])
         if sent is not None:
             again = added(again, second.from_surface(sent))
+        tints = None if sent is None or space.tints is None else space.tints[chosen]
+
+        def seen_as(light: Single) -> NDArray[Any]:
+            return shown(light) if tints is None else _tinted(shown(light), tints)
+
         direct = fallen(own, places[1], lights, known)
-        once, twice = shown(added(direct, around[chosen])), shown(added(direct, again))
+        once, twice = seen_as(added(direct, around[chosen])), seen_as(added(direct, again))
         error = _apart(once, twice)
-        whole = _apart(once, shown(added(fallen(own, places[1], lights, others), again)))
+        whole = _apart(once, seen_as(added(fallen(own, places[1], lights, others), again)))
         if 0 < denoise < whole:
 
             def told(light: Single, left: float) -> float:
-                smooth = shown(added(direct, added(light, shone)[chosen]))
+                smooth = seen_as(added(direct, added(light, shone)[chosen]))
                 apart = float(np.mean((255 * (np.asarray(smooth, np.float64) - twice)) ** 2))
                 # Of it the second set's own noise is no error of the first.
                 off = max(apart - error**2, left * error**2)
                 return math.sqrt(max(whole**2 - error**2, 0.0) + off)
 
-            calm, whole = calmed(space.surface, at[1], by_rays, told, (denoise, whole))
+            calm, whole = calmed(space.own_surface, at[1], by_rays, told, (denoise, whole))
             around = around if calm is by_rays else added(calm, shone)
         space.light_errors[rays] = whole
     return Reached(seen, space.of_vertices(around).astype(np.float32), sent)
@@ -266,6 +298,12 @@ def added(one: Single, other: Single) -> Single:
     if one.ndim == other.ndim:
         return one + other
     return one + other[:, None] if one.ndim == 2 else one[:, None] + other
+
+
+def _tinted(shown: NDArray[Any], tints: Single) -> NDArray[Any]:
+    """Return what is displayed (k,) or (k, 3) on surfaces of a colour, as it is shown at last."""
+    light = srgb_to_linear(shown)
+    return np.asarray(linear_to_srgb((light if light.ndim == 2 else light[:, None]) * tints))
 
 
 def _apart(one: NDArray[Any], other: NDArray[Any]) -> float:
