@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from meshdepict.scales.patches import patch_sums
+from meshdepict.scales.patches import PatchSums
 
 if TYPE_CHECKING:
     from meshdepict.shapes.mesh import Mesh
@@ -95,9 +95,8 @@ class LightSmoothing:
         return float(np.clip(share, 0, 1).mean()) if self._fits.any() else 1.0
 
     def _sums(self, channels: Floats, width: float | None = None) -> Floats:
-        found = patch_sums(
-            self._patches, self._points, channels, width or self._width, error=_ERROR
-        )
+        sums = PatchSums(self._patches, self._points, channels)
+        found = sums.at(width or self._width, error=_ERROR)
         return np.asarray(found, np.float64)
 
 
