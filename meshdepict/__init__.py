@@ -16,10 +16,12 @@ if TYPE_CHECKING:
 
     from meshdepict import congruence, curvature, shading
     from meshdepict.baking.baked import Baked
-    from meshdepict.baking.look import bake, bake_volume
+    from meshdepict.baking.baked_texture import BakedTexture
+    from meshdepict.baking.look import bake, bake_together, bake_volume
     from meshdepict.baking.method_list import methods
     from meshdepict.baking.plates import plate
     from meshdepict.baking.recipe import load_recipe, save_recipe
+    from meshdepict.baking.textures import bake_texture
     from meshdepict.color.transfer_function import TransferFunction
     from meshdepict.congruence.comparison import compare
     from meshdepict.errors import MeshdepictError, MeshdepictWarning
@@ -34,12 +36,14 @@ if TYPE_CHECKING:
     from meshdepict.shading.method import method
     from meshdepict.shapes import samples
     from meshdepict.shapes.gbuffer import GBuffer
+    from meshdepict.shapes.ground_plane import ground_under
     from meshdepict.shapes.height_field import HeightField
     from meshdepict.shapes.mesh import Mesh
     from meshdepict.shapes.volume import Volume
 
 __all__ = [
     "Baked",
+    "BakedTexture",
     "Environment",
     "GBuffer",
     "HeightField",
@@ -53,10 +57,13 @@ __all__ = [
     "View",
     "Volume",
     "bake",
+    "bake_texture",
+    "bake_together",
     "bake_volume",
     "compare",
     "congruence",
     "curvature",
+    "ground_under",
     "load_recipe",
     "method",
     "methods",
@@ -74,6 +81,7 @@ __all__ = [
 
 _HOME = {
     "Baked": "baking.baked",
+    "BakedTexture": "baking.baked_texture",
     "Environment": "scene.environment",
     "GBuffer": "shapes.gbuffer",
     "HeightField": "shapes.height_field",
@@ -87,8 +95,11 @@ _HOME = {
     "View": "scene.view",
     "Volume": "shapes.volume",
     "bake": "baking.look",
+    "bake_texture": "baking.textures",
+    "bake_together": "baking.look",
     "bake_volume": "baking.look",
     "compare": "congruence.comparison",
+    "ground_under": "shapes.ground_plane",
     "load_recipe": "baking.recipe",
     "method": "shading.method",
     "methods": "baking.method_list",

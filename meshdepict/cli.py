@@ -35,6 +35,7 @@ _COMMANDS = {
     "compare": "[INPUT] [OPTIONS]",
     "volume": "[CT] [OPTIONS]",
     "relief": "DEM... [OPTIONS]",
+    "texture": "MESH [OPTIONS]",
     "plate": "[FILE...] [OPTIONS]",
     "movie": "[INPUT] [OPTIONS]",
     "info": "INPUT...",
@@ -63,6 +64,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
             stream.reconfigure(errors="replace")
     try:
         with notes(quiet=False):
+            if words[:1] and words[0] in _COMMANDS:
+                from meshdepict.commands.parameters import spelled_out
+
+                words = spelled_out(words)
             command, bound, extra = app.parse_args(words, exit_on_error=False, print_error=False)
             if "given" in extra:  # what the words said, before defaults filled the rest
                 bound.arguments["given"] = frozenset(bound.arguments)

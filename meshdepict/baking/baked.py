@@ -183,9 +183,13 @@ class Baked(Depiction):
         What was shaded, for the next light; None of a refined bake.
     look : Choices or None
         How it was baked, with what followed from the shape; None where nobody said.
+    scene : Baked or None
+        What pictures show: it with all that it was baked together with, and their ground. None:
+        itself.
     """
 
     shape: Mesh | HeightField | GBuffer
+    scene: Baked | None = None
 
     def __init__(
         self,
@@ -253,7 +257,8 @@ class Baked(Depiction):
         ``.html`` is a page of its own that turns, offline, in any browser; see `save_page`. An
         image is written as a picture, and so is a height field as ``.png``, ``.jpg`` or ``.tif``:
         on its raster, at its place on the map. Of other formats, everything the input file had is
-        kept. An existing file is replaced, once the new one is complete.
+        kept, and the materials and pictures that it names are copied along. An existing file is
+        replaced, once the new one is complete.
 
         Raises
         ------
@@ -329,4 +334,4 @@ class Baked(Depiction):
 
         if isinstance(self.shape, GBuffer):
             return image_page(self, figure)
-        return draw_page(self, figure)
+        return draw_page(self.scene or self, figure)

@@ -18,6 +18,7 @@ import numpy as np
 
 from meshdepict.baking.baked import Baked
 from meshdepict.baking.look import Look
+from meshdepict.baking.objects import bake_on_ground, scene_look, scene_meshes
 from meshdepict.baking.pixel_widths import measured
 from meshdepict.baking.provenance import fitted_text
 from meshdepict.baking.refinement import worth_refining
@@ -31,21 +32,23 @@ from meshdepict.drawing.framing import check_scale, frame
 from meshdepict.drawing.picture import save_picture
 from meshdepict.drawing.picture_files import PICTURES, check_picture, write_page
 from meshdepict.errors import MeshdepictError, MeshdepictWarning
+from meshdepict.io import write_mesh
 from meshdepict.io.folders import RASTERS
 from meshdepict.io.source import FORMATS, WRITABLE, suffix_of
 from meshdepict.options import Values, options_of
 from meshdepict.shading.method import declaration
 from meshdepict.shapes import samples
 from meshdepict.shapes.height_field import HeightField
+from meshdepict.shapes.joined import JoinedMesh
 from meshdepict.shapes.mesh import Mesh
 
-__all__ = ["Batch", "check_look", "stem"]
+__all__ = ["MEMORY", "Batch", "Job", "caption_of", "check_look", "stem", "target_of", "unexpected"]
 
 _GOLF_BALL = "golf-ball"
 _BEFORE = "lambert"  # what every program shows
 _NEXT = "next: meshdepict bake YOUR.ply --picture YOUR.png, meshdepict view, meshdepict methods"
 _VISIBLE = 2  # grey levels
-_MEMORY = "out of memory: a simplified mesh needs less"
+MEMORY = "out of memory: a simplified mesh needs less"
 
 
 @dataclass(frozen=True)
@@ -77,6 +80,8 @@ class Batch:
         Whether turned faces are written.
     triangles : bool
         Whether polygons and strips are written as triangles.
+    quantize : bool
+        Whether .glb and .gltf hold positions in 16 bits.
     force : bool
         Whether to replace files that this program didn't write.
     quiet : bool
@@ -90,6 +95,7 @@ class Batch:
     winding: str = "auto"
     fix_winding: bool = False
     triangles: bool = False
+    quantize: bool = False
     force: bool = False
     quiet: bool = False
 
@@ -97,13 +103,47 @@ class Batch:
     def _input_identities(self) -> frozenset[Hashable]:
         return identities(self.inputs)
 
+    @property
+    def _folders(self) -> tuple[tuple[str, str | None], ...]:
+        """Options that have to name folders where there are several inputs."""
+        return ("-o", self.output), ("--picture", self.picture)
+
     def run(self) -> int:
         """Bake everything that can be baked; return how many failed, each with one line."""
+        sources: Sequence[Path | None] = self.inputs or [None]
+        done, heard = 0, Heard()
+        for job in self._jobs():
+            try:
+                line = self._bake(job, heard)
+            except MeshdepictError as error:
+                complain(about(job.source, error))
+            except MemoryError:
+                complain(about(job.source, MEMORY))
+            except Exception as error:  # a fault of this program's: the other files go on
+                complain(about(job.source, unexpected(error)))
+            else:
+                say(line)
+                done += 1
+        heard.tell()
+        if not self.inputs and done and not self.quiet:
+            complain(_NEXT)
+        if len(sources) > 1 and not self.quiet:
+            complain(f"{done} of {len(sources)} baked")
+        return len(sources) - done
+
+    def _jobs(self) -> list[Job]:
+        """Choose and check the names of all files to write; complain of those that can't be.
+
+        Raises
+        ------
+        MeshdepictError
+            For what can't be with any of them.
+        """
         check_look(self.look)
         if self.picture is not None:
             check_scale(self.look.view, self.figure)
         if len(self.inputs) > 1:
-            for option, folder in (("-o", self.output), ("--picture", self.picture)):
+            for option, folder in self._folders:
                 if folder is not None and not (isdir(folder) or _names_folder(folder)):
                     raise MeshdepictError(
                         f"{option} {folder} is no existing folder: several meshes need one "
@@ -122,39 +162,24 @@ class Batch:
                     )
             except MeshdepictError as error:
                 complain(error)
-        done, heard = 0, Heard()
-        for job in jobs.values():
-            try:
-                line = self._bake(job, heard)
-            except MeshdepictError as error:
-                complain(about(job.source, error))
-            except MemoryError:
-                complain(about(job.source, _MEMORY))
-            except Exception as error:  # a fault of this program's: the other files go on
-                text = f"an unexpected fault, please report it ({type(error).__name__}: {error})"
-                complain(about(job.source, MeshdepictError(text)))
-            else:
-                say(line)
-                done += 1
-        heard.tell()
-        if not self.inputs and done and not self.quiet:
-            complain(_NEXT)
-        if len(sources) > 1 and not self.quiet:
-            complain(f"{done} of {len(sources)} baked")
-        return len(sources) - done
+        return [*jobs.values()]
 
     def _plan(self, source: Path | None) -> Job:
         """Choose and check the names of the files to write."""
         if source is not None and not exists(source):
             raise MeshdepictError(f"{source}: there is no such file")
         name = f"{stem(source)}-{self.look.title}"
-        output = _target(self.output or ".", f"{name}.ply", "-o")
+        output = target_of(self.output or ".", f"{name}.ply", "-o")
         _check_format(output)
+        if self.quantize and suffix_of(output) not in (".glb", ".gltf"):
+            raise MeshdepictError(
+                f"{output}: --quantize is about .glb and .gltf: leave it out, or save as one"
+            )
         picture, first = None, source is None and self.picture is None
         if first:
             picture = output.with_name(f"{stem(output)}.png")
         elif self.picture is not None:
-            picture = _target(self.picture, f"{name}.png", "--picture")
+            picture = target_of(self.picture, f"{name}.png", "--picture")
             check_picture(picture, self.figure)
         for path in filter(None, (output, picture)):
             check_target(path, force=self.force, inputs=self._input_identities)
@@ -169,8 +194,15 @@ class Batch:
 
     def _check_fit(self, shape: Mesh | HeightField, look: Look) -> None:
         """Refuse what is too large for its picture, before the long work."""
-        seen = with_choices(shape, look) if isinstance(shape, HeightField) else shape
+        seen = self._seen(shape, look)
         frame(look.eye(seen), seen, self.figure)
+
+    def _seen(self, shape: Mesh | HeightField, look: Look) -> Mesh | HeightField:
+        """Return what a picture shows: terrain as high as it is baked, a mesh with its ground."""
+        if isinstance(shape, HeightField):
+            raised: HeightField = with_choices(shape, look)
+            return raised
+        return shape if look.ground is None else JoinedMesh(scene_meshes([shape], look))
 
     def _bake(self, job: Job, heard: Heard) -> str:
         """Bake one mesh, write the files and return the line about it."""
@@ -182,26 +214,36 @@ class Batch:
         ):
             shape = self._read(job.source)
             look = self.look.posed(shape)
+            if isinstance(shape, Mesh) and look.ground is not None:
+                look = scene_look([shape], self.look)
             if job.picture:
                 self._check_fit(shape, look)
-            look = measured(look, shape, self.figure if job.picture else None)
-            baked = bake_surface(shape, look, progress=progress)
-            baked.save(job.output)
+            look = measured(look, self._seen(shape, look), self.figure if job.picture else None)
+            baked = bake_on_ground(shape, look, progress=progress)
+            self._save(baked, job.output)
             if job.first:
                 job = self._show_first(baked, job, look)
             elif job.picture:
-                save_picture(baked, job.picture, self.figure)
+                save_picture(baked.scene or baked, job.picture, self.figure)
             for text in self._remarks(baked, job.output):
                 warnings.warn(text, MeshdepictWarning, stacklevel=2)
-        return _caption(job, baked, time.perf_counter() - start)
+        return caption_of(job, baked, time.perf_counter() - start)
+
+    def _save(self, baked: Baked, path: Path) -> None:
+        if not self.quantize:
+            baked.save(path)
+            return
+        write_mesh(
+            path, baked.mesh, colors=baked.colors, comments=baked.comments, quantize=self.quantize
+        )
 
     def _show_first(self, baked: Baked, job: Job, look: Look) -> Job:
         """Draw before and after; where nothing can be drawn, leave the picture out with a note."""
         assert job.picture is not None
-        before = bake_surface(baked.shape, look.replace(method=_BEFORE, blend=None, tint=None))
+        before = bake_on_ground(baked.shape, look.replace(method=_BEFORE, blend=None, tint=None))
         captions = f"before: {_BEFORE}", f"after: {self.look.title}"
         try:
-            page = before_after((before, baked), captions)
+            page = before_after((before.scene or before, baked.scene or baked), captions)
         except (MeshdepictError, ImportError, RuntimeError) as error:
             warnings.warn(f"no picture could be drawn ({error})", MeshdepictWarning, stacklevel=3)
             return replace(job, picture=None)
@@ -279,7 +321,7 @@ def stem(source: Path | None) -> str:
     return name.name
 
 
-def _target(given: str, name: str, option: str) -> Path:
+def target_of(given: str, name: str, option: str) -> Path:
     """Return the file that an option names: itself, or one of the given name in a folder."""
     path = Path(given)
     if isdir(path):
@@ -314,7 +356,13 @@ def _check_format(path: Path) -> None:
         )
 
 
-def _caption(job: Job, baked: Baked, seconds: float) -> str:
+def unexpected(error: Exception) -> MeshdepictError:
+    """Return what is said of a fault of this program's."""
+    text = f"an unexpected fault, please report it ({type(error).__name__}: {error})"
+    return MeshdepictError(text)
+
+
+def caption_of(job: Job, baked: Baked, seconds: float) -> str:
     """Return what a plate's caption needs: file, method, light, widths in file units, seconds."""
     parts = [f"{job.output}: {summary(baked.provenance)}"]
     if baked.look is not None and (text := fitted_text(baked.look)):

@@ -49,9 +49,14 @@ def _choice(
     *,
     group: str = "Look",
     only: tuple[str, ...] = (),
+    alone: str = "",
 ) -> Any:
-    """Declare a choice: what it is for, where help lists it, and which kinds alone have it."""
-    return field(default=default, metadata={"help": help, "group": group, "only": only})
+    """Declare a choice: what it is for, where help lists it, and which kinds alone have it.
+
+    ``alone`` is what its word on the command line stands for without a value.
+    """
+    about = {"help": help, "group": group, "only": only, "alone": alone}
+    return field(default=default, metadata=about)
 
 
 @dataclass(frozen=True, init=False, eq=False)
@@ -97,11 +102,15 @@ class ChoiceList:
     normals : {"computed", "file"}
         "file" takes the normals that the file holds; vertices that have several are parted.
     albedo : {"none", "keep"}
-        "keep" multiplies the shape's own vertex colours, in linear light.
+        "keep" multiplies the shape's own vertex colours, or its texture's at the vertices (along
+        seams their mean), in linear light.
     refine : float, optional
         Split the triangles inside which interpolated colours are off by more than so many of 255
         grey levels, until they are not (five times at most); see `Baked.edge_error`. New vertices
         come after the old ones.
+    ground : {"matt", "mirror"}, optional
+        A level ground under a mesh, which pictures show; see `ground_under`. What is matt catches
+        shadows and sends light up, a mirror shows what stands on it.
     two_sided : bool
         Shade the side that the view sees, also where faces look away from it.
     z_factor : float
@@ -205,7 +214,17 @@ class ChoiceList:
         "computed", "file: take the file's own normals.", group="Detail", only=_FACES
     )
     albedo: Literal["keep", "none"] = _choice(
-        "none", "keep: multiply the file's own colours.", group="Files", only=_SURFACES
+        "none",
+        "keep: multiply the file's own colours, or its texture's.",
+        group="Files",
+        only=_SURFACES,
+    )
+    ground: Literal["matt", "mirror"] | None = _choice(
+        None,
+        "A level ground under the object that pictures show: matt, for shadows and bounces, which "
+        "--ground alone means, or a mirror.",
+        only=(MESH,),
+        alone="matt",
     )
     two_sided: bool = _choice(
         False,  # noqa: FBT003

@@ -101,6 +101,11 @@ class Choices(ChoiceList):
             raise MeshdepictError(f"z_factor={self.z_factor!r} is not a number above 0 up to 1e6")
         if not isinstance(self.sampling, str) or self.sampling not in SAMPLINGS:
             raise MeshdepictError(f"sampling={self.sampling!r} is neither 'lobes' nor 'lights'")
+        grounds = ("matt", "mirror")
+        if self.ground is not None and not (
+            isinstance(self.ground, str) and self.ground in grounds
+        ):
+            raise MeshdepictError(f"ground={self.ground!r} is neither 'matt' nor 'mirror'")
         if not isinstance(self.two_sided, bool):
             raise MeshdepictError(f"two_sided={self.two_sided!r} is neither True nor False")
 
@@ -141,6 +146,12 @@ class Choices(ChoiceList):
     def layers(self) -> tuple[Layer, ...]:
         """The layers of its blend, the first on top; none without a blend."""
         return () if self.blend is None else as_layers(self.blend)
+
+    @property
+    def bounces(self) -> bool:
+        """Whether light bounces."""
+        layers = [self.of_layer(layer) for layer in self.layers] or [self]
+        return any(each.options.get("bounces") for each in layers)
 
     @property
     def title(self) -> str:

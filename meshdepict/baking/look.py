@@ -3,19 +3,24 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from pathlib import Path
-from typing import Any, Self
+from typing import Any, Self, TypeGuard
 
-from meshdepict.baking import surfaces, volumes
+import numpy as np
+
+from meshdepict.baking import volumes
 from meshdepict.baking.baked import Baked
+from meshdepict.baking.baked_together import BakedTogether
 from meshdepict.baking.choices import Choices, takes_choices
+from meshdepict.baking.objects import OF_THE_SCENE, bake_objects, bake_on_ground, with_own
 from meshdepict.baking.recipe import load_recipe, save_recipe
 from meshdepict.baking.volumes import BakedVolume
+from meshdepict.errors import MeshdepictError
 from meshdepict.scales.grid_making import MEMORY
 from meshdepict.scales.ladder import Progress
 
-__all__ = ["Look", "bake", "bake_volume"]
+__all__ = ["Look", "bake", "bake_together", "bake_volume"]
 
 
 class Look(Choices):
@@ -41,7 +46,7 @@ class Look(Choices):
         """
         if volumes.is_volume(shape):
             return volumes.bake_grid(shape, self, progress=progress)
-        return surfaces.bake_surface(shape, self, progress=progress)
+        return bake_on_ground(shape, self, progress=progress)
 
     def save(self, path: str | os.PathLike[str], *, force: bool = False) -> Path:
         """Write the look as a recipe; see `save_recipe`."""
@@ -85,7 +90,63 @@ def bake(
     MeshdepictError
         For anything unknown or out of range.
     """
-    return surfaces.bake_surface(shape, Look(method, **chosen), progress=progress)
+    return bake_on_ground(shape, Look(method, **chosen), progress=progress)
+
+
+@takes_choices
+def bake_together(
+    shapes: Iterable[object],
+    method: str | Callable[..., Any] = "exaggerated",
+    *,
+    progress: Progress | None = None,
+    **chosen: Any,
+) -> BakedTogether:
+    """Shade meshes that stand together: each hides light from the others, and sends it on to them.
+
+    Each is smoothed by itself, at widths of its own. Light, view and up are the scene's; names of
+    lights refer to the view.
+
+    Parameters
+    ----------
+    shapes : iterable
+        Of each object a path, Mesh, pyvista.PolyData or trimesh.Trimesh; or of one with a look of
+        its own a pair: that, and choices and options by name,
+        ``(mesh, {"method": "phong", "diffuse": 0.3})``. Shadows, bounces and rays of all objects
+        are also those of another method.
+    method, progress, **chosen
+        As for `bake`.
+
+    Returns
+    -------
+    BakedTogether
+        A sequence: a `Baked` of each. Pictures show all of them.
+
+    Raises
+    ------
+    MeshdepictError
+        For anything unknown or out of range, for shapes that are no meshes, and for one object's
+        choice of what is the scene's.
+    """
+    look = Look(method, **chosen)
+    if isinstance(shapes, (str, bytes, os.PathLike)) or not np.iterable(shapes):
+        raise MeshdepictError(
+            f"shapes={shapes!r} is no sequence of meshes: give at least one in []"
+        )
+    pairs = [each if _is_pair(each) else (each, {}) for each in shapes]
+    for number, (_, own) in enumerate(pairs, start=1):
+        for name in own:
+            if not isinstance(name, str):
+                raise MeshdepictError(f"{name!r} of object {number} is no name of a choice")
+            if name in OF_THE_SCENE:
+                raise MeshdepictError(
+                    f"{name} of object {number} is all objects': give it to bake_together itself"
+                )
+    looks = [with_own(look, own) for _, own in pairs]
+    return bake_objects([shape for shape, _ in pairs], looks, progress=progress)
+
+
+def _is_pair(given: object) -> TypeGuard[tuple[object, dict[str, Any]]]:
+    return isinstance(given, tuple) and len(given) == 2 and isinstance(given[1], dict)
 
 
 @takes_choices

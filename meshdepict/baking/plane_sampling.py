@@ -31,7 +31,8 @@ _FEATURES = 300_000  # points that stand for bends
 def with_sampled_planes(finer: FinerMesh, space: ScaleSpace) -> tuple[FinerMesh, ScaleSpace]:
     """Split what is large beside the widths of a scale space, and smooth anew.
 
-    Meshes without planes, and scale spaces with no width, stay as they are.
+    Meshes without planes, scale spaces with no width, and those of objects that stand together,
+    whose rays leave the vertices that they have, stay as they are.
 
     Parameters
     ----------
@@ -40,9 +41,9 @@ def with_sampled_planes(finer: FinerMesh, space: ScaleSpace) -> tuple[FinerMesh,
     space : ScaleSpace
         Of the same mesh.
     """
-    if finer.pieces is None or len(space.widths) == 1:
+    if finer.pieces is None or len(space.widths) == 1 or space.company is not None:
         return finer, space
-    mesh = space.surface
+    mesh = space.own_surface
     widths = space.widths[1:] / (mesh.diagonal or 1.0)
     spacing = _SPACING * float(widths[0])
     while True:
@@ -57,6 +58,9 @@ def with_sampled_planes(finer: FinerMesh, space: ScaleSpace) -> tuple[FinerMesh,
         facing=space.facing, tolerance=space.tolerance, normals=(pieces.vertices, pieces.corners),
         at_once=space.smoothed,
     )  # fmt: skip
+    if space.tints is not None:
+        corners, weights, _ = sampled.vertices
+        again.tints = np.einsum("nc,nci->ni", weights.astype(np.float32), space.tints[corners])
     after = FinerMesh(again.shape, pieces)
     after.most = finer.most
     return after, again

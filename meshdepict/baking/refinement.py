@@ -55,7 +55,7 @@ def edge_error(space: ScaleSpace, shade: Shade, *, linear: bool) -> EdgeError:
     linear : bool
         Whether the values are linear light.
     """
-    faces = space.surface.faces
+    faces = space.own_surface.faces
     edges = faces[:: max(1, len(faces) // _SAMPLE), :2]  # of each the first side: any will do
     ends = np.unique(edges)
     rows = np.searchsorted(ends, edges)
@@ -105,7 +105,7 @@ def refine(
         raise MeshdepictError(
             f"refine={levels!r} is not a number of grey levels above 0 and up to 255"
         )
-    finer, space = with_sampled_planes(FinerMesh(space.surface), space)
+    finer, space = with_sampled_planes(FinerMesh(space.own_surface), space)
     values = shade(finer.samples(space, finer.vertices))
     while finer.rounds and len(finer.faces) <= finer.most:
         edges = finer.edges()

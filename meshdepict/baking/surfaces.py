@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import copy
 import functools
 import os
+import warnings
 from typing import Any
 
 import numpy as np
@@ -18,43 +20,59 @@ from meshdepict.baking.clipping import warn_of_clipping
 from meshdepict.baking.discs import warn_of_disc
 from meshdepict.baking.layers import shade_layers
 from meshdepict.baking.provenance import describe, was_baked
+from meshdepict.baking.sampling import Place, sampled
 from meshdepict.baking.sheets import warn_of_backs
 from meshdepict.baking.tinting import heights_of, tinted
 from meshdepict.color import colormaps2d
 from meshdepict.errors import MeshdepictError
 from meshdepict.scales.ladder import Progress
-from meshdepict.scales.making import scale_space
 from meshdepict.scales.space import ScaleSpace
 from meshdepict.scene.names import Lighting, as_light
+from meshdepict.shapes.colors import vertex_colors
 from meshdepict.shapes.gbuffer import GBuffer
+from meshdepict.shapes.ground_plane import GroundPlane
 from meshdepict.shapes.height_field import HeightField
 from meshdepict.shapes.mesh import Mesh
 
 __all__ = [
-    "as_mesh", "as_solid", "bake_surface", "own_colors", "refuse_other_scales", "with_choices",
+    "as_mesh", "as_solid", "as_surface", "bake_surface", "own_colors", "refuse_other_scales",
+    "surface_tints", "with_choices",
 ]  # fmt: skip
 
 
-def bake_surface(shape: object, look: Choices, *, progress: Progress | None = None) -> Baked:
+def bake_surface(
+    shape: object,
+    look: Choices,
+    *,
+    place: Place | None = None,
+    progress: Progress | None = None,
+) -> Baked:
     """Shade a mesh or an image; see `bake`.
 
     Parameters
     ----------
     shape : path, Mesh, HeightField, GBuffer, ScaleSpace, pyvista.PolyData or trimesh.Trimesh
     look : Choices
+        Its ground is nobody's business here; see `objects`.
+    place : Place, optional
+        Of a mesh among others.
     progress : callable, optional
         ``progress(done, total)``.
     """
     told: list[ScaleSpace] = []
     try:
-        return _bake_surface(shape, look, progress, told)
+        return _bake_surface(shape, look, place, progress, told)
     finally:
         for space in told:
             space.progress = None
 
 
 def _bake_surface(
-    shape: object, look: Choices, progress: Progress | None, told: list[ScaleSpace]
+    shape: object,
+    look: Choices,
+    place: Place | None,
+    progress: Progress | None,
+    told: list[ScaleSpace],
 ) -> Baked:
     """Do what `bake_surface` does; ``told`` are those that know whom to tell how far they are."""
     made = isinstance(shape, ScaleSpace)
@@ -80,22 +98,24 @@ def _bake_surface(
                 f"{mesh.z_factor:g} times the ground's; leave it out, or bake the height field"
             )
         look = look.replace(z_factor=mesh.z_factor)
-    own = own_colors(mesh) if look.albedo == "keep" else None
+    own = tints = None
+    if look.albedo == "keep":
+        own = own_colors(mesh)
+        tints = surface_tints(mesh, own)
     look = look.posed(mesh)
-    eye = look.eye(mesh)
+    eye = look.eye(mesh) if place is None else place.eye
     lamp = look.lighting(eye, kind)
     if isinstance(shape, ScaleSpace):
         refuse_other_scales(shape, chosen)
 
     def make(scales: int, ratio: float) -> ScaleSpace:
-        space = (
-            shape
-            if isinstance(shape, ScaleSpace)
-            else scale_space(
-                mesh, scales=scales, width=look.width, ratio=ratio, facing=look.facing,
-                tolerance=look.tolerance, view=eye, at_once=(),
-            )
-        )  # fmt: skip
+        if not isinstance(shape, ScaleSpace):
+            space = sampled(mesh, look, eye, (scales, ratio), tints=tints, place=place)
+        elif tints is None:
+            space = shape
+        else:
+            space = copy.copy(shape)  # others go on using that one
+            space.tints = tints
         space.progress = progress
         told.append(space)
         return space
@@ -111,9 +131,10 @@ def _bake_surface(
         asked = look.settled(space)
         look = asked.with_rays(space, lamp, eye)
         found = None if look is asked else space.light_errors.found
-    if space is not shape and blend is None:
+    if not made and blend is None:
         warn_of_disc(look, lamp)
-    if space is not shape and not look.two_sided:  # viewers turn what they show
+    level = isinstance(mesh, GroundPlane)  # which many views see edge-on
+    if not (made or look.two_sided or level):  # viewers turn what they show
         warn_of_backs(space.points, space.normals_at(0), eye)
     linear = look.declared.linear
 
@@ -260,16 +281,51 @@ def own_colors(shape: Mesh | GBuffer | HeightField) -> NDArray[np.uint8]:
     return color.encode(shape.sample(linear), linear=True)
 
 
+def surface_tints(
+    shape: Mesh | GBuffer | HeightField, own: NDArray[np.uint8]
+) -> NDArray[np.float32] | None:
+    """Return the own colours (v, 3) of the vertices that light bounces from, in linear light.
+
+    Of a mesh they are those of its samples. None of an image of something that has none.
+    """
+    found: NDArray[np.uint8] | None = own
+    if isinstance(shape, GBuffer):
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # about colours of faces: said where they are shown
+            mesh = shape.mesh
+            try:
+                found = None if mesh is None else _mesh_colors(mesh)
+            except MeshdepictError:
+                found = None
+    if found is None:
+        return None
+    return np.asarray(color.srgb_to_linear(found / np.float32(255)), np.float32)
+
+
 def _mesh_colors(mesh: Mesh) -> NDArray[np.uint8]:
-    """Return the mesh's own vertex colours; those a former bake set aside come first."""
-    from meshdepict.shapes.colors import vertex_colors
+    """Return the mesh's own colours at its vertices: theirs, else its textures', else its faces'.
+
+    Those that a former bake set aside come first. In glTF a texture is multiplied by the vertices'.
+    """
+    from meshdepict.shapes.texture_colors import texture_colors
 
     baked = was_baked(mesh)
-    found = vertex_colors(mesh, baked=baked)
+    found = vertex_colors(mesh, baked=baked, faces=False)
+    tinted = found is not None and mesh.textures is not None and mesh.textures.tinted
+    if found is None or tinted:
+        try:
+            painted = texture_colors(mesh)
+        except MeshdepictError as error:
+            raise MeshdepictError(f"albedo='keep' needs what can't be had: {error}") from error
+        if painted is not None and found is not None:
+            return color.multiply_albedo(painted / np.float32(255), found, linear=False)
+        found = painted if found is None else found
+    if found is None:
+        found = vertex_colors(mesh, baked=baked)
     if found is None:
         raise MeshdepictError(
-            "albedo='keep' needs the object's own vertex colours (red, green, blue); the mesh has "
-            + ("only those of a former bake" if baked else "none")
+            "albedo='keep' needs the object's own vertex colours (red, green, blue) or a texture; "
+            "the mesh has " + ("only those of a former bake" if baked else "none")
         )
     return found
 

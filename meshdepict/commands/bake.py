@@ -23,6 +23,8 @@ def bake(
     winding: Annotated[Literal["auto", "keep"], Parameter(group=FILES)] = "auto",
     fix_winding: Annotated[bool, Parameter(group=FILES, show_default=False)] = False,
     triangles: Annotated[bool, Parameter(group=FILES, show_default=False)] = False,
+    quantize: Annotated[bool, Parameter(group=FILES, show_default=False)] = False,
+    together: Annotated[bool, Parameter(group=FILES, show_default=False)] = False,
     force: Annotated[bool, Parameter(group=FILES, show_default=False)] = False,
     recipe: Annotated[str | None, Parameter(group=FILES)] = None,
     save_recipe: Annotated[str | None, Parameter(group=FILES)] = None,
@@ -49,6 +51,11 @@ def bake(
         Write the turned faces, too, with vertex and face properties but nothing else of the file.
     triangles
         Write polygons and triangle strips as the triangles that are shaded.
+    quantize
+        Write positions of .glb and .gltf in 16 bits (KHR_mesh_quantization), for the web.
+    together
+        All meshes are one scene, each where its file has it: they hide light from each other and
+        send it on. The picture shows all of them.
     force
         Replace existing files that meshdepict didn't write, the input among them.
     recipe
@@ -57,6 +64,7 @@ def bake(
         Write them to a file, as they were said: up and view that nobody names are each mesh's own.
     """
     from meshdepict.baking.batch import Batch, check_look
+    from meshdepict.baking.together_batch import TogetherBatch
 
     everywhere.obey()
     if picture is None:
@@ -71,9 +79,12 @@ def bake(
     if save_recipe is not None:
         check_look(wanted)
         wanted.save(save_recipe, force=force)
-    batch = Batch(
+    if together and len(inputs) < 2:
+        raise MeshdepictError("--together is about several meshes: give at least two, or leave it")
+    kind = TogetherBatch if together else Batch
+    batch = kind(
         inputs=inputs, look=wanted, output=output, picture=picture, figure=pictures,
-        winding=winding, fix_winding=fix_winding, triangles=triangles, force=force,
-        quiet=everywhere.quiet,
+        winding=winding, fix_winding=fix_winding, triangles=triangles, quantize=quantize,
+        force=force, quiet=everywhere.quiet,
     )  # fmt: skip
     return FAULT if batch.run() else 0

@@ -28,6 +28,7 @@ _KINDS = {"-o": ".png", "--csv": ".csv", "--html": ".html"}
         "blend",
         "tint",
         "transfer",
+        "ground",
         "refine",
         "albedo",
         "two_sided",

@@ -23,7 +23,7 @@ from meshdepict.errors import MeshdepictError
 __all__ = ["movie"]
 
 
-@takes_words(without=("colormap2d", "blend", "tint", "albedo", "refine", "transfer"))
+@takes_words(without=("colormap2d", "blend", "tint", "albedo", "refine", "transfer", "ground"))
 def movie(
     source: Annotated[Path | None, Parameter(name="INPUT")] = None,
     /,

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "EVERYWHERE", "FIGURE", "FILES", "LOOK", "MOTION", "Everywhere", "FigureWords",
-    "LookWords", "Number", "Options", "number", "said_look", "takes_words",
+    "LookWords", "Number", "Options", "number", "said_look", "spelled_out", "takes_words",
 ]  # fmt: skip
 
 _GROUPS = {
@@ -174,10 +174,19 @@ class FigureWords:
 # --- looks ------------------------------------------------------------------------------------
 
 
+def _name(each: dataclasses.Field[Any]) -> str:
+    return f"--{each.name.replace('_', '-')}"
+
+
+def _literal(hint: Any) -> Any:
+    """Return the part of a type that lists values, or None."""
+    kinds = (hint, *typing.get_args(hint))
+    return next((kind for kind in kinds if typing.get_origin(kind) is Literal), None)
+
+
 def _word(each: dataclasses.Field[Any], hint: Any) -> tuple[str, Any, None]:
     """Return a choice as a word of the command line: its name, its type and None."""
-    kinds = typing.get_args(hint) or (hint,)
-    literal = next((kind for kind in (hint, *kinds) if typing.get_origin(kind) is Literal), None)
+    kinds, literal = typing.get_args(hint) or (hint,), _literal(hint)
     converter: Any = None
     if literal is not None:
         kind = literal
@@ -193,7 +202,7 @@ def _word(each: dataclasses.Field[Any], hint: Any) -> tuple[str, Any, None]:
     usual = "" if default in (None, False) else f" [default: {default}]"
     names = {"method": ["--method", "-m"], "colormap2d": "--colormap2d"}
     parameter = Parameter(
-        name=names.get(each.name, f"--{each.name.replace('_', '-')}"),
+        name=names.get(each.name, _name(each)),
         converter=converter,
         group=_GROUPS[each.metadata["group"]],
         allow_leading_hyphen=True,
@@ -201,6 +210,18 @@ def _word(each: dataclasses.Field[Any], hint: Any) -> tuple[str, Any, None]:
         show_default=False,
     )
     return each.name, Annotated[kind | None, parameter], None
+
+
+def spelled_out(words: Sequence[str]) -> tuple[str, ...]:
+    """Return the words of a command line, with a value after each that may stand alone."""
+    hints, found = typing.get_type_hints(Choices), list(words)
+    for each in choice_fields().values():
+        usual, word = each.metadata["alone"], _name(each)
+        if usual and word in found:
+            at = found.index(word)
+            if not {*found[at + 1 : at + 2]} & {*typing.get_args(_literal(hints[each.name]))}:
+                found[at] = f"{word}={usual}"
+    return tuple(found)
 
 
 class LookWords:

@@ -19,7 +19,8 @@ __all__ = ["relief"]
 
 @takes_words(
     without=(
-        "transfer", "facing", "refine", "creases", "normals", "albedo", "two_sided", "view", "up",
+        "transfer", "facing", "refine", "creases", "normals", "albedo", "ground",
+        "two_sided", "view", "up",
     )
 )  # fmt: skip
 def relief(

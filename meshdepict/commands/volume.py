@@ -30,7 +30,9 @@ if TYPE_CHECKING:
     from meshdepict.shapes.volume import Volume
 
 
-@takes_words(without=("colormap", "colormap2d", "blend", "tint", "facing", "refine", "albedo"))
+@takes_words(
+    without=("colormap", "colormap2d", "blend", "tint", "facing", "refine", "albedo", "ground")
+)
 def volume(
     source: Annotated[Path | None, Parameter(name="CT")] = None,
     *,

@@ -97,8 +97,16 @@ def drawn(baked: Painted, view: View, size: tuple[int, int]) -> NDArray[np.uint8
     """Draw a bake once, in a view and a size: colour times coverage, and coverage."""
     if is_map(baked.shape, view):
         return draw_map(baked, view, size)
+    coverage = getattr(baked.shape, "coverage", None)
     with canvas(baked, size) as drawing:
-        return drawing.draw(view)
+        if coverage is None:
+            return drawing.draw(view)
+        # What fades out, as a ground does: once in colours times coverage, once as coverage alone.
+        share = coverage[:, None]
+        covered = np.rint(np.repeat(255 * share, 3, axis=1)).astype(np.uint8)
+        image = drawing.draw(view, np.rint(baked.colors * share).astype(np.uint8))
+        alone = drawing.draw(view, covered)
+    return np.concatenate([image[..., :3], alone[..., :1]], axis=2)
 
 
 def image_page(baked: Painted, figure: Figure) -> Page:

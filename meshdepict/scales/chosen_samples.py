@@ -37,6 +37,8 @@ class ChosenSamples(ScaleSpace):
             whole.planes_at(0)[:, chosen], facing=whole.facing, tolerance=whole.tolerance,
         )  # fmt: skip
         self._whole, self._chosen = whole, chosen
+        self.tints = whole.tints
+        self.company, self.member = whole.company, whole.member
 
     def typical(self) -> ScaleSpace:
         """Return the samples of the whole."""
@@ -46,6 +48,11 @@ class ChosenSamples(ScaleSpace):
     def surface(self) -> Mesh:
         """The whole surface."""
         return self._whole.surface
+
+    @property
+    def own_surface(self) -> Mesh:
+        """The whole's."""
+        return self._whole.own_surface
 
     @property
     def vertical(self) -> NDArray[np.float64]:

@@ -60,6 +60,11 @@ class MeshSpace(ScaleSpace):
 
     @property
     def surface(self) -> Mesh:
+        """The mesh itself, or that of all that stand together."""
+        return self.shape if self.company is None else self.company.surface
+
+    @property
+    def own_surface(self) -> Mesh:
         """The mesh itself."""
         return self.shape
 
@@ -144,7 +149,8 @@ class MeshSpace(ScaleSpace):
     def _open(self, rays: int) -> Openness:
         from meshdepict.transport.occlusion import ambient_openness
 
-        return ambient_openness(self.shape, rays=rays)
+        at = None if self.company is None else (self.points, self.shape.normals)
+        return ambient_openness(self.surface, at=at, rays=rays)
 
 
 def mesh_space(

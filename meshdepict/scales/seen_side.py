@@ -55,6 +55,8 @@ class SeenSide(ScaleSpace):
         )  # fmt: skip
         self.at_vertices = source.at_vertices
         self.light_errors, self.progress = source.light_errors, source.progress
+        self.tints = source.tints
+        self.company, self.member = source.company, source.member
         self._share_rays()
 
     def _share_rays(self) -> None:
@@ -99,6 +101,11 @@ class SeenSide(ScaleSpace):
     def surface(self) -> Mesh:
         """The surface that rays from the samples can meet."""
         return self.source.surface
+
+    @property
+    def own_surface(self) -> Mesh:
+        """The source's."""
+        return self.source.own_surface
 
     @property
     def vertical(self) -> NDArray[np.float64]:

@@ -5,6 +5,7 @@ The only step that knows what kind of shape it has. Everything after it works on
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -23,13 +24,15 @@ if TYPE_CHECKING:
 
     from meshdepict.curvature.principal import PrincipalCurvatures
     from meshdepict.curvature.view import ViewCurvature
+    from meshdepict.scales.company import Company
     from meshdepict.scene.light import Light
     from meshdepict.scene.shape import Shape
     from meshdepict.scene.view import View
+    from meshdepict.shapes.mesh import Mesh
     from meshdepict.transport.occlusion import Openness
     from meshdepict.transport.rays import Steps
     from meshdepict.transport.retraced import Retraced
-    from meshdepict.transport.transfer import Transfer
+    from meshdepict.transport.transfer import Leaving, Transfer
 
 __all__ = ["ScaleSpace"]
 
@@ -65,11 +68,19 @@ class ScaleSpace(ReliefSamples):
     light_errors : LightErrors
         By the number of rays, root mean square error in grey levels of the last light that was
         sampled: discs, the sky and bounces.
+    tints : (v, 3) array of float32, optional
+        The own colours of the surface's vertices in linear light, which tint what they send on;
+        None: white.
+    company, member : Company, int
+        What else stands where rays go, and which of them this is of; None where it is alone.
     progress : callable, optional
         ``progress(done, total)``, whom rays tell how far they are.
     """
 
     at_vertices = False
+    tints: NDArray[np.float32] | None = None
+    company: Company | None = None
+    member = 0
 
     def __init__(
         self,
@@ -94,6 +105,7 @@ class ScaleSpace(ReliefSamples):
         self._seen: dict[tuple[int, float], tuple[tuple[Any, ...], ViewCurvature]] = {}
         self._openness: dict[int, Openness] = {}
         self._transfers: dict[int, Transfer | Retraced] = {}
+        self._kept: dict[str, tuple[tuple[Any, ...], Any]] = {}
         self._lights_seen: list[SeenLights] = []  # one, once it is asked for
         self._sides_seen: tuple[bytes, dict[int, Transfer | Retraced], list[SeenLights]] | None = (
             None
@@ -145,16 +157,20 @@ class ScaleSpace(ReliefSamples):
         if seen is not None and former == sight:
             return seen
         normals = self.normals_at(scale)
-        if scale not in self._creases:
-            self._creases[scale] = self._turns(scale)
         seen = view_tensor(
-            self.points, normals, self.curvature(scale), self._creases[scale], eye,
+            self.points, normals, self.curvature(scale), self.crease_cosines(scale), eye,
             foreshortening=foreshortening,
         )  # fmt: skip
         for array in seen:
             array.setflags(write=False)
         self._seen[scale, foreshortening] = sight, seen
         return seen
+
+    def crease_cosines(self, scale: int) -> NDArray[np.float32]:
+        """Return the least cosine (n,) between a sample's normal and its neighbours'; kept."""
+        if scale not in self._creases:
+            self._creases[scale] = self._turns(scale)
+        return self._creases[scale]
 
     def occlusion(self, rays: int = 256) -> NDArray[np.float32]:
         """Return the share of the light from all around that reaches each sample; computed once.
@@ -177,6 +193,33 @@ class ScaleSpace(ReliefSamples):
         return {rays: openness.error for rays, openness in self._openness.items()}
 
     @property
+    def own_surface(self) -> Mesh:
+        """The surface that the samples lie on: of `surface`, what rays can meet, a part or all."""
+        return self.surface
+
+    @property
+    def surface_normals(self) -> NDArray[Any]:
+        """(v, 3) unit normals of the vertices of `surface`, as they are shaded."""
+        if self.company is not None:
+            return self.company.normals
+        return self.normals_at(0) if self.at_vertices else self.surface.normals
+
+    def of_surface(self, values: NDArray[Any]) -> NDArray[Any]:
+        """Return values of the vertices of `surface` (v, …) at the samples (n, …)."""
+        own = values
+        if self.company is not None:
+            own = values[self.company.surface.parts[self.member]]
+        return self.of_vertices(own)
+
+    def on_surface(self, values: NDArray[Any]) -> NDArray[Any]:
+        """Return values of the vertices of `own_surface` at those of `surface`, 0 elsewhere."""
+        if self.company is None:
+            return values
+        found = np.zeros((len(self.surface.vertices), *values.shape[1:]), values.dtype)
+        found[self.company.surface.parts[self.member]] = values
+        return found
+
+    @property
     def vertex_space(self) -> ScaleSpace:
         """Samples at the vertices of the surface that these lie on; themselves if they are those.
 
@@ -189,8 +232,9 @@ class ScaleSpace(ReliefSamples):
             return self
         kind = self.surface.kind  # what has no surface says so
         raise MeshdepictError(
-            f"how light is scaled where it bounces is known at the vertices of a {kind}, which the "
-            f"samples of this {self.shape.kind} are not: shade the mesh itself, or set bounces=0"
+            f"how light from all around is enhanced is known at the vertices of a {kind}, which "
+            f"the samples of this {self.shape.kind} are not: shade the mesh itself, or set "
+            "bounces=0 and give lights in place of an environment"
         )
 
     def transport(self, rays: int = 64) -> Transfer | Retraced:
@@ -204,17 +248,59 @@ class ScaleSpace(ReliefSamples):
         MeshdepictError
             For a number of rays beyond 2 … 65536, and for samples that are no part of a surface.
         """
+        if self.company is not None:
+            return self._told(self.company.transport(rays, self.member, progress=self.progress))
         if rays not in self._transfers:
-            from meshdepict.transport.retraced import transfer_of
+            self._transfers[rays] = self.traced(rays)
+        return self._told(self._transfers[rays])
 
-            surface = self.surface
-            normals = self.normals_at(0) if self.at_vertices else surface.normals
-            self._transfers[rays] = transfer_of(
-                surface, normals=normals, rays=rays, progress=self.progress
-            )
-        found = self._transfers[rays]
+    def traced(self, rays: int, how: Leaving | None = None) -> Transfer | Retraced:
+        """Return where rays from the vertices of the surface go, traced anew; see `transport`.
+
+        Parameters
+        ----------
+        rays : int
+        how : Leaving, optional
+            How they leave: cosine-weighted unless given.
+
+        Raises
+        ------
+        MeshdepictError
+            As for `transport`.
+        """
+        from meshdepict.transport.retraced import transfer_of
+        from meshdepict.transport.transfer import USUAL
+
+        leaving = USUAL if how is None else how
+        if self.company is not None:
+            return self.company.traced(rays, self.member, leaving, progress=self.progress)
+        return transfer_of(
+            self.surface, normals=self.surface_normals, rays=rays, how=leaving,
+            progress=self.progress,
+        )  # fmt: skip
+
+    def traced_once(
+        self, name: str, key: tuple[Any, ...], rays: int, how: Callable[[], Leaving]
+    ) -> Transfer | Retraced:
+        """Return where rays of a method's own go, kept as `kept` does."""
+        found: Transfer | Retraced = self.kept(name, (rays, *key), lambda: self.traced(rays, how()))
+        return self._told(found)
+
+    def _told(self, found: Transfer | Retraced) -> Transfer | Retraced:
+        """Let rays that are traced again know whom to tell how far they are."""
         if hasattr(found, "progress"):
             found.progress = self.progress
+        return found
+
+    def kept(self, name: str, key: tuple[Any, ...], find: Callable[[], Any]) -> Any:
+        """Return what a method found here before, or finds anew where its key is another.
+
+        Of every name the last is kept, and the key is all that it depends on beside the samples.
+        """
+        former, found = self._kept.get(name, (None, None))
+        if former != key:
+            found = find()
+            self._kept[name] = key, found
         return found
 
     def seen_share(
@@ -261,8 +347,11 @@ class ScaleSpace(ReliefSamples):
         """
         if not self._lights_seen:
             surface = self.surface
-            normals = self.normals_at(0) if self.at_vertices else surface.normals
-            self._lights_seen.append(SeenLights(surface, (surface.unit_points, normals)))
+            points, normals = surface.unit_points, surface.normals
+            if self.company is not None:
+                points, normals = self.company.places(self.member)
+            own = self.normals_at(0) if self.at_vertices else normals
+            self._lights_seen.append(SeenLights(surface, (points, own)))
         return self._lights_seen[0].shares(lights)
 
     def typical(self) -> ScaleSpace:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from functools import cached_property
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -221,14 +222,16 @@ class Environment:
         kept = np.repeat(_COSINE, (1, 3, 5))
         return kept[:, None] * (_harmonics(self._directions.reshape(-1, 3)).T @ flux)
 
-    def lookup(self, directions: ArrayLike, *, blur: float = 0.0) -> NDArray[np.float32]:
+    def lookup(
+        self, directions: ArrayLike, *, blur: float | NDArray[Any] = 0.0
+    ) -> NDArray[np.float32]:
         """Return the radiance from some directions, between pixels bilinearly.
 
         Parameters
         ----------
         directions : (n, 3) array_like
             Unit vectors.
-        blur : float
+        blur : float or (n,) array
             Width in radians of the Gaussian-like (von Mises–Fisher) lobe that the radiance is
             averaged over: what a rough mirror sees. Interpolated between blurred copies.
 
@@ -236,6 +239,8 @@ class Environment:
         -------
         (n, 3) array of float32
         """
+        if isinstance(blur, np.ndarray) and blur.ndim:
+            return self._each_blurred(_vectors(directions, "directions"), blur)
         width = real(blur)
         if width is None or width < 0:
             raise MeshdepictError(f"blur={blur!r} is not a width in radians")
@@ -248,6 +253,30 @@ class Environment:
         coarse = min(int(level), finest - 1)
         share = np.float32(level - coarse)
         return _mixed(self._copy(coarse), self._copy(coarse + 1), share, local)
+
+    def _each_blurred(self, directions: Floats, blurs: Floats) -> NDArray[np.float32]:
+        """Look up directions (n, 3), each with a blur of its own."""
+        if blurs.shape != directions.shape[:-1] or not (blurs >= 0).all():
+            raise MeshdepictError(f"blur={blurs!r} is not a width in radians for every direction")
+        found = np.empty((len(directions), 3), np.float32)
+        finest = self._levels - 1
+        least = width_of(finest)
+        # The picture itself is the level after the finest.
+        level = np.minimum(
+            2 * np.log2(WIDEST / np.clip(blurs, least, WIDEST)), finest
+        ) + np.maximum(1 - blurs / least, 0)
+        coarse = np.minimum(level.astype(np.intp), finest)
+        order = np.argsort(coarse, kind="stable")
+        cuts = np.searchsorted(coarse[order], np.arange(finest + 2))
+        for at, (begin, end) in enumerate(pairwise(cuts)):
+            if begin < end:
+                some = order[begin:end]
+                share = (level[some] - at).astype(np.float32)[:, None]
+                finer = self.pixels if at == finest else self._copy(at + 1)
+                local = to_picture(directions[some], self.up)
+                found[some] = (1 - share) * bilinear(self._copy(at), local)
+                found[some] += share * bilinear(finer, local)
+        return found
 
     @property
     def _levels(self) -> int:

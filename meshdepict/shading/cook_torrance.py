@@ -26,6 +26,7 @@ from meshdepict.shading.reached import (
     ray_count,
     reached,
 )
+from meshdepict.shading.sampled import used_rays
 
 __all__ = ["cook_torrance"]
 
@@ -59,8 +60,8 @@ def cook_torrance(
     """Shade by Beckmann's microfacets over a diffuse base: highlights of rough metal or glaze.
 
     Points that face away from the eye are shaded for the eye mirrored in their tangent plane.
-    Shadows hide both terms of a light; of an environment the base's alone, and its highlights not.
-    What bounces is the base's light.
+    Shadows hide both terms of a light, and of an environment. What bounces is the base's light; it
+    has highlights where the eye sees it.
 
     Parameters
     ----------
@@ -81,6 +82,13 @@ def cook_torrance(
         shown=shown,
     )  # fmt: skip
     shaded = hidden_direct(
-        space, lamps, eyes(space, eye), material, reach, environments=environments, count=lights
+        space,
+        lamps,
+        eyes(space, eye),
+        material,
+        reach,
+        environments=environments,
+        count=lights,
+        rays=used_rays(space, rays),
     )
     return exposed(shaded, exposure)

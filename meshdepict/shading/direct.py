@@ -38,7 +38,7 @@ from meshdepict.shading.material_kinds import (
 from meshdepict.shading.tones import soft_tones
 from meshdepict.shading.warp_equations import jacobian, unwarp, warp_scale
 
-__all__ = ["direct", "kernel_colors", "kernel_parameters", "quantised", "squeezed"]
+__all__ = ["direct", "kernel_colors", "kernel_parameters", "quantised", "squeezed", "unwarped"]
 
 _FEW = 2  # lights that plain arrays are as good for
 
@@ -132,17 +132,32 @@ def _few(
         direction = light.direction.astype(np.float32)
         weight: np.float32 | NDArray[np.float32] = np.float32(1)
         if frames is not None:
-            direction, weight = _unwarped(normals, direction, frames, warping)
+            direction, weight = unwarped(normals, direction, frames, warping)
         value = diffuse_term(material, normals, direction, eye)
         value = (value + specular_term(material, normals, direction, eye)) * weight
         total += value[:, None] * color
     return squeezed(total)
 
 
-def _unwarped(
+def unwarped(
     normals: NDArray[np.float32], light: NDArray[np.float32], frames: Frames, warping: float
 ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-    """Return W⁻¹(l') and J, zero unless both directions lie in the hemisphere of n (eq. 2)."""
+    """Return W⁻¹(l') of a light at every point, and its J (Light Warping, eq. 2).
+
+    Parameters
+    ----------
+    normals : (n, 3) array
+    light : (3,) array of float32
+    frames : Frames
+    warping : float
+        Magnitude α.
+
+    Returns
+    -------
+    (n, 3) array
+    (n,) array
+        Zero unless both directions lie in the hemisphere of n.
+    """
     axes = np.stack([frames.u, frames.v, frames.z], axis=1)
     local = axes @ light
     stretch = warp_scale(frames.ku, warping), warp_scale(frames.kv, warping)

@@ -11,8 +11,10 @@ from meshdepict.shading.gathering import PLAIN
 from meshdepict.shading.scaling_equation import scaling
 
 if TYPE_CHECKING:
+    from meshdepict.scales.space import ScaleSpace
     from meshdepict.scene.light import Light
     from meshdepict.shading.scaled_transfer import ScaledTransfer
+    from meshdepict.transport.retraced import Retraced
     from meshdepict.transport.transfer import Transfer
 
 __all__ = ["Enhancement"]
@@ -49,6 +51,10 @@ class Enhancement(NamedTuple):
         """Return ⟨n·l⟩, scaled."""
         plainly = PLAIN.falls(normals, light)
         return plainly * self.factor(plainly)
+
+    def traced(self, space: ScaleSpace, rays: int) -> Transfer | Retraced:
+        """Return the space's own rays."""
+        return space.transport(rays)
 
     def along(self, transfer: Transfer, *, again: bool = False) -> ScaledTransfer:
         """Return what scales each ray."""

@@ -33,6 +33,7 @@ __all__ = [
     "curved",
     "eyes",
     "features",
+    "frames_key",
     "sight",
     "width_at",
 ]
@@ -158,6 +159,27 @@ def features(
         lambda each: _at_scale(space, view, curvature, each, gain, foreshortening),
         wanted_scales(space, view, importance, scale=scale),
     )
+
+
+def frames_key(
+    view: View,
+    *,
+    curvature: str,
+    scale: int,
+    gain: float | None,
+    foreshortening: float,
+    importance: ArrayLike | Samples | str | None = None,
+) -> tuple[Any, ...]:
+    """Return all that `features` depends on beside the samples, to be compared."""
+    sight: tuple[Any, ...] = ()
+    if curvature == "view" or importance is not None:
+        sight = (
+            *view.position, *view.focus, *view.up, view.height_px, view.field_of_view,
+            view.parallel_scale, foreshortening,
+        )  # fmt: skip
+    if importance is not None and not isinstance(importance, str):
+        importance = np.asarray(importance, np.float64).tobytes()
+    return curvature, scale, gain, importance, sight
 
 
 def curved(

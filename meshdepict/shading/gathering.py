@@ -15,8 +15,10 @@ from numpy.typing import NDArray
 from meshdepict.scene.vectors import cosines
 
 if TYPE_CHECKING:
+    from meshdepict.scales.space import ScaleSpace
     from meshdepict.scene.environment import Environment
     from meshdepict.scene.light import Light
+    from meshdepict.transport.retraced import Retraced
     from meshdepict.transport.transfer import Transfer
 
 __all__ = ["PLAIN", "Gathering", "Gathers", "Plain", "fallen"]
@@ -47,13 +49,19 @@ class Gathering(Protocol):
     def falls(self, normals: NDArray[Any], light: Light) -> Single:
         """Return what (n,) arrives of a light of 1 that nothing hides: plainly ⟨n·l⟩."""
 
+    def traced(self, space: ScaleSpace, rays: int) -> Transfer | Retraced:
+        """Return where so many rays go from each vertex of the surface that a space lies on.
+
+        They are those that bring what the eye sees: `ScaleSpace.transport`, or a method's own.
+        """
+
     def along(self, transfer: Transfer, *, again: bool = False) -> Gathers:
         """Return what gathers light that comes by rays.
 
         Parameters
         ----------
         transfer : Transfer
-            From the same samples.
+            Such rays as `traced` returns, from the same samples.
         again : bool
             Whether it is of the second set of rays, which tells the error.
         """
@@ -70,6 +78,10 @@ class Plain:
     def falls(self, normals: NDArray[Any], light: Light) -> Single:
         """Return ⟨n·l⟩."""
         return np.maximum(cosines(normals, light.direction), 0).astype(np.float32)
+
+    def traced(self, space: ScaleSpace, rays: int) -> Transfer | Retraced:
+        """Return the space's own rays."""
+        return space.transport(rays)
 
     def along(self, transfer: Transfer, *, again: bool = False) -> Gathers:
         """Return the rays as they are."""

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -20,14 +19,16 @@ from meshdepict.scene.material import (
     HalfLambert,
     LitSphere,
     Material,
-    Mirror,
-    Phong,
     Refractive,
     diffuse_term,
 )
 from meshdepict.scene.vectors import cosines
-from meshdepict.shading.direct import direct
-from meshdepict.shading.reached import Reached, added
+from meshdepict.shading.direct import direct, kernel_parameters
+from meshdepict.shading.first_light import added
+from meshdepict.shading.lobe_samples import LobeSamples
+from meshdepict.shading.lobes import lobe_samples
+from meshdepict.shading.material_kinds import PHONG
+from meshdepict.shading.reached import Reached
 
 __all__ = ["albedo", "hidden_direct", "matt", "refuse_unhidden"]
 
@@ -47,12 +48,13 @@ def hidden_direct(
     *,
     environments: Sequence[Environment] = (),
     count: int = 54,
+    rays: int = 0,
     **settings: Any,
 ) -> Single:
     """Return what `direct` does, each light as much as it is seen, and what came around.
 
-    In the latter is the matt part of the environments: of them highlights alone are left, which
-    nothing hides.
+    In the latter is the matt part of the environments. Highlights of them, and of what bounced, are
+    sampled: see `hidden_lobes`.
 
     Parameters
     ----------
@@ -60,6 +62,8 @@ def hidden_direct(
         As for `direct`.
     reach : Reached
         Of these lights and environments.
+    rays : int
+        Samples in a lobe, if more than ``count``.
 
     Returns
     -------
@@ -79,9 +83,9 @@ def hidden_direct(
     if reach.around is not None:
         shown = matt(material, space.normals_at(0), eyes)
         total = added(total, (shown * reach.around.T).T)
-    if environments and (glossy := _glossy(material)) is not None:
-        part = direct(space, [], eyes, glossy, environments=environments, count=count, **settings)
-        total = added(total, part)
+    if environments or reach.sent is not None:
+        gloss = _gloss(space, eyes, material, reach, environments, max(count, rays), **settings)
+        total = total if gloss is None else added(total, gloss)
     return total
 
 
@@ -116,18 +120,23 @@ def _shown(material: Material, facing: NDArray[np.float64]) -> NDArray[np.float6
     return np.asarray(2 * _WEIGHTS @ terms)
 
 
-def refuse_unhidden(material: Material, illumination: str) -> None:
+def refuse_unhidden(material: Material, illumination: str, *, shadows: bool) -> None:
     """Refuse shadows and bounces of what is no light.
 
     Raises
     ------
     MeshdepictError
-        For materials that show surroundings or a painting, and for precomputed light.
+        For a painted material, for shadows of a transparent one, and for precomputed light.
     """
-    if isinstance(material, (LitSphere, Mirror, Refractive)):
+    if isinstance(material, LitSphere):
         raise MeshdepictError(
             f"{type(material).__name__} shows no lights that could cast shadows or bounce: leave "
             "shadows and bounces out"
+        )
+    if shadows and isinstance(material, Refractive):
+        raise MeshdepictError(
+            "Refractive lets light through and casts no shadow: leave shadows out, and say by "
+            "bounces how many walls light meets within"
         )
     if illumination != "lights":
         raise MeshdepictError(
@@ -143,8 +152,27 @@ def _wrapped(cosine: Single, seen: Single) -> Single:
     )
 
 
-def _glossy(material: Material) -> Material | None:
-    """Return a material without its matt part; None where that is all."""
-    if isinstance(material, (Phong, CookTorrance, AshikhminShirley)):
-        return replace(material, diffuse=0.0)
-    return None
+def _gloss(
+    space: ScaleSpace,
+    eyes: Single,
+    material: Material,
+    reach: Reached,
+    environments: Sequence[Environment],
+    count: int,
+    **settings: Any,
+) -> Single | None:
+    """Return highlights of environments and of what bounced; None where a material has none."""
+    kind, parameters = kernel_parameters(material)
+    if kind < PHONG or not parameters[1] > 0:
+        return None
+    from meshdepict.shading.hidden_lobes import hidden_lobes
+
+    def sampled(environment: Environment) -> list[LobeSamples]:
+        return lobe_samples(
+            space.planes_of((0,)), eyes, environment, kind, parameters, count=count, **settings
+        )
+
+    question: tuple[Any, ...] = kind, parameters, count, eyes
+    for each in settings.values():
+        question += tuple(each) if isinstance(each, tuple) else (each,)
+    return hidden_lobes(space, environments, sampled, sent=reach.sent, question=question)

@@ -13,6 +13,7 @@ from meshdepict.scales.space import ScaleSpace
 from meshdepict.scene.light import Light
 from meshdepict.scene.names import LightLike, as_light
 from meshdepict.scene.vectors import cosines
+from meshdepict.shading.first_light import added
 from meshdepict.shading.method import Exposure, exposed, method
 from meshdepict.shading.reached import (
     USUAL_RAYS,
@@ -47,7 +48,8 @@ def lambert(
 ) -> Single:
     """Shade by max(0, n·l): what every viewer shows, black on the side away from the light.
 
-    With bounces the surface is white, and sends on all the light that it gets.
+    With bounces the surface is white, and sends on all the light that it gets; where it has colours
+    of its own that are kept, what of it has them.
     """
 
     def shown(arriving: NDArray[Any]) -> NDArray[Any]:
@@ -88,7 +90,7 @@ def half_lambert(
         shown=shown,
     )  # fmt: skip
     if seen[0] is not None or around is not None:
-        cosine = np.minimum(cosine, 0) + _arriving(cosine, seen[0], around)
+        cosine = added(np.minimum(cosine, 0), _arriving(cosine, seen[0], around))
     return exposed((1 + cosine) / 2, exposure)
 
 
@@ -106,4 +108,4 @@ def _arriving(cosine: Single, seen: Single | None, around: Single | None) -> Sin
     """Return ⟨n·l⟩ V, and what comes by other ways."""
     falls = np.maximum(cosine, 0)
     falls = falls if seen is None else falls * seen
-    return falls if around is None else falls + around
+    return falls if around is None else added(falls, around)

@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
-import math
 from typing import Annotated, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from meshdepict.color.srgb import linear_to_srgb
 from meshdepict.errors import MeshdepictError
 from meshdepict.options import Choice, Range, Samples
 from meshdepict.scales.reads import Reads
 from meshdepict.scales.space import ScaleSpace
-from meshdepict.scene.environment import Environment
-from meshdepict.scene.equirectangular import bilinear, to_picture
-from meshdepict.scene.light import Light
 from meshdepict.scene.material import (
     HalfLambert,
     LitSphere,
@@ -26,7 +23,7 @@ from meshdepict.scene.material import (
 )
 from meshdepict.scene.names import LightsLike, parted
 from meshdepict.scene.view import View
-from meshdepict.shading.direct import direct, kernel_parameters, quantised, squeezed
+from meshdepict.shading.direct import quantised
 from meshdepict.shading.features import (
     Bins,
     CurvatureKind,
@@ -41,14 +38,33 @@ from meshdepict.shading.features import (
     bends,
     curved,
     eyes,
+    features,
+    frames_key,
 )
+from meshdepict.shading.gathering import PLAIN, Gathering
+from meshdepict.shading.hidden_light import albedo, hidden_direct, refuse_unhidden
 from meshdepict.shading.method import Exposure, exposed, method
+from meshdepict.shading.reached import (
+    USUAL_RAYS,
+    Bounces,
+    Denoise,
+    Reached,
+    Shadows,
+    ray_count,
+    reached,
+)
+from meshdepict.shading.sampled import AUTO_RAYS, used_rays
 from meshdepict.shading.surroundings import as_environment, seen
 from meshdepict.shading.warp_equations import jacobian, unwarp, warp, warp_scale
+from meshdepict.shading.warped_gathering import Warping
+from meshdepict.shading.warping_integral import integral
+from meshdepict.transport.rays import probed
 
 __all__ = ["jacobian", "light_warping", "unwarp", "warp", "warp_scale"]
 
 Single = NDArray[np.float32]
+
+_OPENNESS_RAYS = 256
 
 
 def _bends(magnitude: float, gain: float | None) -> bool:
@@ -58,17 +74,28 @@ def _bends(magnitude: float, gain: float | None) -> bool:
 def _reads(
     last: int,
     *,
+    material: str | Material,
+    roughness: float | None,
     curvature: str,
     scale: int,
     gain: float | None,
     magnitude: float,
     illumination: str,
-    rays: int,
+    shadows: bool,
+    bounces: int,
+    rays: int | str,
     importance: ArrayLike | Samples | str | None,
     **_: Any,
 ) -> Reads:
     """Return the shape's own normals, with what bends light, and rays if they are wanted."""
-    own = Reads(normals=frozenset((0,)), rays=rays if illumination == "occlusion" else 0)
+    hidden = ray_count(shadows=shadows, bounces=bounces, rays=rays or USUAL_RAYS)
+    if isinstance(shown := as_material(material), (Mirror, Refractive)):  # a smooth one has one ray
+        rough = roughness or shown.roughness
+        count = ray_count(shadows=False, bounces=1, rays=rays or USUAL_RAYS) if rough else 1
+        hidden = int(shadows or bounces > 0) * count
+    open_rays = 0 if isinstance(rays, str) else rays  # which occlusion refuses
+    gathered = (open_rays or _OPENNESS_RAYS) if illumination == "occlusion" else hidden
+    own = Reads(normals=frozenset((0,)), rays=gathered)
     return own | bends(scale, curvature, importance, last) if _bends(magnitude, gain) else own
 
 
@@ -109,7 +136,19 @@ def light_warping(
     illumination: Annotated[
         str, Choice(("lights", "occlusion"), help="light, or warped ambient occlusion")
     ] = "lights",
-    rays: Annotated[int, Range(2, 65536, help="of ambient occlusion", soft=(16, 256))] = 256,
+    shadows: Shadows = False,
+    bounces: Bounces = 0,
+    rays: Annotated[
+        int | str,
+        Range(
+            0,
+            65536,
+            help="of each sample: of ambient occlusion, to discs, the sky and what bounces",
+            soft=(0, 256),
+            words=(AUTO_RAYS,),
+        ),
+    ] = 0,
+    denoise: Denoise = 0.0,
     importance: Importance = None,
     shininess: Parameter = None,
     roughness: Parameter = None,
@@ -151,6 +190,14 @@ def light_warping(
         (rms) with a matt material and with highlights, 54 by 1 and 1 to 2.4.
     illumination : {"lights", "occlusion"}
         "occlusion": (1/π) ∫ ⟨n·l⟩ V(W(l)) dl, whatever the light and the material.
+    shadows, bounces : bool, int
+        With light by light alone (§6.1). A light is hidden by what lies where it is, and falls in
+        from where it is warped to (eq. 2). What the sky sends and surfaces send on comes along
+        rays W(d) of the method's own (eq. 1); before that light bounces as ever. Highlights, too,
+        are of what rays meet: the sky or the surface. A mirror's ray is warped where the eye sees
+        it, and mirrored as often as bounces says.
+    rays : int
+        0: for illumination="occlusion" 256, and 64 with shadows and bounces.
     importance : str or array_like in [0, 1], optional
         Where fine detail matters (I of §4.3, fig. 6): `scale` at 1, the coarsest scale at 0, so
         there have to be several. The name of a vertex attribute, an image file laid over the
@@ -165,13 +212,21 @@ def light_warping(
     Raises
     ------
     MeshdepictError
-        For a scale that is not there, or light that does not go with the material.
+        For a scale that is not there, light that does not go with the material, and shadows or
+        bounces of what has none.
     """
     if isinstance(material := as_material(material), (LitSphere, HalfLambert)):
         raise MeshdepictError(
             f"light_warping: {type(material).__name__} has no light that could be warped; "
             "radiance_scaling takes it"
         )
+    if shadows or bounces:
+        refuse_unhidden(material, illumination, shadows=shadows)
+        if quadrature == "directions":
+            raise MeshdepictError(
+                "quadrature='directions' looks up an environment that nothing hides: leave it out, "
+                "or shadows and bounces"
+            )
     chosen, eye, frames = curved(
         space, view, material, curvature=curvature, scale=scale, gain=gain,
         foreshortening=foreshortening, importance=importance, needed=_bends(magnitude, gain),
@@ -182,62 +237,59 @@ def light_warping(
     if illumination == "occlusion":
         from meshdepict.shading.warped_occlusion import warped_openness
 
-        shaded = warped_openness(space, frames, magnitude, rays=rays)
+        if isinstance(rays, str):
+            raise MeshdepictError(
+                f"illumination='occlusion' takes a number of rays, 256 for instance: rays={rays!r} "
+                "is for shadows and bounces"
+            )
+        shaded = warped_openness(space, frames, magnitude, rays=rays or _OPENNESS_RAYS)
     elif isinstance(chosen, (Mirror, Refractive)):
-        shaded = seen(space, light, eye, chosen, frames, magnitude)
+        shaded = seen(
+            space, light, eye, chosen, frames, magnitude, shadows=shadows, bounces=bounces,
+            rays=used_rays(space, rays or USUAL_RAYS),
+        )  # fmt: skip
     elif quadrature == "directions":
         environment = as_environment(light, "quadrature='directions'")
-        shaded = _integral(space, environment, eyes(space, eye), chosen, frames, magnitude, lights)
+        shaded = integral(space, environment, eyes(space, eye), chosen, frames, magnitude, lights)
     else:
         lamps, environments = parted(light, eye)
-        shaded = direct(
-            space, lamps, eyes(space, eye), chosen, environments=environments, count=lights,
-            frames=frames, warping=magnitude,
+        reach = Reached((None,) * len(lamps))
+        if shadows or bounces:
+            around = bool(bounces or environments)
+            lit, bent = space.vertex_space if around and frames is not None else space, frames
+            settings: Any = {
+                "curvature": curvature, "scale": scale, "gain": gain,
+                "foreshortening": foreshortening, "importance": importance,
+            }  # fmt: skip
+            gathering: Gathering = PLAIN
+            if bent is not None:
+                bent = bent if lit is space else features(lit, eye, **settings)
+                gathering = Warping(bent, magnitude, frames_key(eye, **settings))
+            factor: Single | np.float32 = np.float32(1)
+            if contrast and bent is not None:
+                factor = _contrast(bent, magnitude, contrast)[probed(lit.count)]
+
+            def displayed(light: NDArray[Any]) -> NDArray[Any]:
+                value = np.float32(ambient_term(chosen)) + albedo(chosen) * light
+                return linear_to_srgb(exposed((value.T * factor).T, exposure))
+
+            reach = reached(
+                space, lamps, environments, shadows=shadows, bounces=bounces,
+                rays=rays or USUAL_RAYS, denoise=denoise, albedo=albedo(chosen),
+                shown=displayed, gathering=gathering,
+            )  # fmt: skip
+        shaded = hidden_direct(
+            space, lamps, eyes(space, eye), chosen, reach, environments=environments, count=lights,
+            rays=used_rays(space, rays or USUAL_RAYS), frames=frames,
+            warping=0.0 if frames is None else magnitude,
         )  # fmt: skip
     shaded = shaded + np.float32(ambient_term(chosen))
     if contrast and frames is not None:
-        area = warp_scale(frames.ku, magnitude) * warp_scale(frames.kv, magnitude)
-        shaded = (shaded.T * area ** np.float32(contrast)).T
+        shaded = (shaded.T * _contrast(frames, magnitude, contrast)).T
     return exposed(quantised(shaded, chosen, exposure), exposure)
 
 
-def _integral(
-    space: ScaleSpace,
-    environment: Environment,
-    towards_eye: Single,
-    material: Material,
-    frames: Frames | None,
-    magnitude: float,
-    count: int,
-) -> Single:
-    """Return eq. 1 over evenly spread directions."""
-    from meshdepict.shading.many_lights_kernel import sum_lights
-
-    # Radiance averaged over about as much as one direction stands for.
-    spacing = math.sqrt(4 * math.pi / count)
-    flux, _ = environment.reduced(max(4, math.ceil(math.pi / spacing)))
-    radiance = np.ascontiguousarray(flux[..., :3] / flux[..., 3:])
-    directions = [light.direction for light in Light((0, 1, 0), spread=180).disc(count)]
-    weights = np.full((count, 3), 4 / count, np.float32)  # 4π/count, and the 1/π of all terms
-    kind, parameters = kernel_parameters(material)
-
-    def turned(vectors: Single) -> Single:
-        return np.ascontiguousarray(to_picture(vectors, environment.up), np.float32)
-
-    normals = turned(space.normals_at(0)).T.copy()
-    normals.setflags(write=False)  # as a scale space's are, or the kernel is compiled once more
-    eye = turned(towards_eye.T).T.copy()
-    if frames is None:  # W(l) is l, for all points
-        weights *= bilinear(radiance, np.array(directions))
-        return squeezed(
-            sum_lights(
-                normals, eye, np.array(directions, np.float32), weights, kind, parameters,
-                frames=None,
-            )
-        )  # fmt: skip
-    return sum_lights(
-        normals, eye,
-        np.array(directions, np.float32), weights, kind, parameters,
-        frames=Frames(frames.ku, frames.kv, turned(frames.u), turned(frames.v), turned(frames.z)),
-        warping=magnitude, environment=radiance,
-    )  # fmt: skip
+def _contrast(frames: Frames, magnitude: float, contrast: float) -> Single:
+    """Return (λ_u λ_v)^contrast, what multiplies the result (eq. 3)."""
+    area = warp_scale(frames.ku, magnitude) * warp_scale(frames.kv, magnitude)
+    return np.asarray(area ** np.float32(contrast), np.float32)

@@ -8,6 +8,7 @@ import numpy as np
 
 from meshdepict.shading.alignment_kernel import arc_tangent
 from meshdepict.shading.lobe_alignment_kernel import align_samples, guides, undo
+from meshdepict.shading.lobe_tables import MOST_PARTS, WIDE
 from meshdepict.shading.material_kernel import FAINT, specular, specular_of_halves
 from meshdepict.shading.scaling_kernel import MOST_EXPONENT, factors
 from meshdepict.shading.warping_kernel import stretch, turned
@@ -18,13 +19,11 @@ __all__ = ["sum_lobes"]
 _ZERO, _HALF, _ONE, _TWO = np.float32(0), np.float32(0.5), np.float32(1), np.float32(2)
 _TINY = np.float32(1e-30)
 _PI = np.float32(math.pi)
-_MOST_PARTS = 2
-_WIDE = 16  # samples that go through vector registers together; those left over take ten times it
 
 
 @kernel("contracted", inline=True)
 def _padded(count):  # type: ignore[no-untyped-def]
-    return (count + _WIDE - 1) // _WIDE * _WIDE
+    return (count + WIDE - 1) // WIDE * WIDE
 
 
 @kernel("contracted")
@@ -63,7 +62,7 @@ def _parted(ex, ey, ez, nx, ny, nz, count, seen, x, y, z, solid, value):  # type
     for k in range(count):
         if seen[k] > _HALF:
             continue
-        parts = min(int(_ONE / max(seen[k], _TINY)), _MOST_PARTS)
+        parts = min(int(_ONE / max(seen[k], _TINY)), MOST_PARTS)
         lx, ly, lz = x[k], y[k], z[k]
         back = ex * lx + ey * ly + ez * lz
         dx, dy, dz = ex - back * lx, ey - back * ly, ez - back * lz
@@ -135,7 +134,7 @@ def _on_picture(to_picture, x, y, z):  # type: ignore[no-untyped-def]
 def sum_lobes(  # type: ignore[no-untyped-def]
     planes, eyes, kind, parameters, halves, ku, kv, u, v, z, numbers, strengths, fade, exact,
     undone, cosines, solids, turns, lobe, texels, starts, rows, columns, upright, widest, between,
-    out, begin, end,
+    out, towards, values, places, begin, end,
 ):  # fmt: skip
     """Write Σ_k ρ_s scaling L dl_k / π into `out` (n, 3), k running over the samples.
 
@@ -156,6 +155,9 @@ def sum_lobes(  # type: ignore[no-untyped-def]
         Variance of the widest blur over a sample's solid angle times what the blur is to be of it.
     between : (2,) array
         Only points whose cosine to the eye lies here are dealt with.
+    towards, values, places : (k, samples, 3), (k, samples) and (k, samples) arrays
+        If k is not 0 nothing is summed, but told of each of the points: where in the world the
+        light of its samples comes from, what it counts, and the texel that it is looked up at.
     """
     bins, count = cosines.shape
     warping, anisotropy = numbers[0], numbers[4]
@@ -165,7 +167,7 @@ def sum_lobes(  # type: ignore[no-untyped-def]
     aligned = len(strengths) > 0
     forward = aligned and not undone
     local = np.empty((3, count), np.float32)
-    most = _padded(count * (_MOST_PARTS if halves else 1))
+    most = _padded(count * (MOST_PARTS if halves else 1))
     arriving, solid = np.empty((3, most), np.float32), np.empty(most, np.float32)
     value, ratio = np.empty(most, np.float32), np.empty(most, np.float32)
     bits, place = ratio.view(np.int32), np.empty(most, np.int32)
@@ -198,6 +200,8 @@ def sum_lobes(  # type: ignore[no-untyped-def]
         ex, ey, ez = ex - away * nx, ey - away * ny, ez - away * nz
         ne = nx * ex + ny * ey + nz * ez
         if ne < between[0] or ne >= between[1]:
+            if len(values):
+                values[i - begin] = _ZERO
             continue
         if scaled:
             mean = ku[i] + kv[i]
@@ -274,7 +278,21 @@ def sum_lobes(  # type: ignore[no-untyped-def]
             if strengths[scale] > 0:
                 guides(planes, scale, i, ex, ey, ez, axis, side)
                 undo(axis, side, strengths[scale], fade, lx, ly, lz, solid[:met], value[:met])
+        told = i - begin
+        if len(values):
+            values[told] = _ZERO
+            for k in range(met):
+                values[told, k] = value[k]
+                for a in range(3):
+                    towards[told, k, a] = (lx if a == 0 else (ly if a == 1 else lz))[k]
+                    if framed:
+                        towards[told, k, a] = (
+                            turn[0, a] * lx[k] + turn[1, a] * ly[k] + turn[2, a] * lz[k]
+                        )
         _places(to_picture, lx, ly, lz, solid, widest, starts, rows, columns, ratio, bits, place)
+        if len(values):
+            places[told, :met] = place[:met]
+            continue
         red, green, blue = _ZERO, _ZERO, _ZERO
         for k in range(met):
             at = place[k]

@@ -17,9 +17,21 @@ from meshdepict.shading.features import Scaling
 from meshdepict.shading.material_kinds import COOK_TORRANCE, PHONG
 from meshdepict.shading.scaling_equation import scaling as scaled
 
-__all__ = ["LobeTables", "aligned_tables", "half_vector_axis", "lobe_tables"]
+__all__ = [
+    "MOST_PARTS",
+    "WIDE",
+    "LobeTables",
+    "aligned_tables",
+    "half_vector_axis",
+    "lobe_tables",
+]
 
 Floats = NDArray[np.float64]
+
+MOST_PARTS = 2
+"""Into how many the sample of a half vector is parted at a grazing angle."""
+WIDE = 16
+"""Samples that go through vector registers together; those left over take ten times as long."""
 
 _ROWS = 33  # values of κ from −1 to 1 that have samples of their own
 _NODES = 512  # of the profile, evenly spread over the logarithm of 1 − cos

@@ -17,7 +17,9 @@ from meshdepict.scene.blurs import WIDEST
 from meshdepict.scene.environment import Environment
 from meshdepict.scene.upright import upright
 from meshdepict.shading.features import Frames, Scaling
+from meshdepict.shading.lobe_samples import LobeSamples, summed
 from meshdepict.shading.lobe_tables import (
+    MOST_PARTS,
     LobeTables,
     aligned_tables,
     half_vector_axis,
@@ -25,9 +27,14 @@ from meshdepict.shading.lobe_tables import (
 )
 from meshdepict.shading.material_kinds import PHONG
 from meshdepict.shading.sharpness import SINGLE
-from meshdepict.threads import each, spans, thread_count
 
-__all__ = ["aligned_lobes", "lobes", "needs_samples"]
+__all__ = [
+    "aligned_lobes",
+    "aligned_samples",
+    "lobe_samples",
+    "lobes",
+    "needs_samples",
+]
 
 Single = NDArray[np.float32]
 
@@ -100,14 +107,34 @@ def lobes(
     -------
     (n, 3) array, (n, 1) where the environment is gray
     """
-    total = np.zeros((normals.shape[2], 1), np.float32)
-    for between, samples in _parts(kind, count):
-        total = total + _summed(
+    parts = lobe_samples(
+        normals, eyes, environment, kind, parameters, count=count, frames=frames, warping=warping,
+        scaling=scaling,
+    )  # fmt: skip
+    return summed(parts, environment)
+
+
+def lobe_samples(
+    normals: Single,
+    eyes: Single,
+    environment: Environment,
+    kind: int,
+    parameters: Single,
+    *,
+    count: int,
+    frames: Frames | None = None,
+    warping: float = 0.0,
+    scaling: Scaling = Scaling(),  # noqa: B008 (immutable)
+) -> list[LobeSamples]:
+    """Return the samples that `lobes` sums: of points seen head-on, and of those near the rim."""
+    return [
+        _samples(
             normals[:1], eyes, environment, kind, parameters,
             lobe_tables(kind, parameters, scaling, samples), between=between,
             frames=frames, warping=warping, scaling=scaling,
-        )  # fmt: skip
-    return total
+        )
+        for between, samples in _parts(kind, count)
+    ]  # fmt: skip
 
 
 def aligned_lobes(
@@ -134,24 +161,45 @@ def aligned_lobes(
     sharpness : float
         γ.
     """
+    parts = aligned_samples(
+        normals, eyes, environment, kind, parameters, count=count, strengths=strengths,
+        sharpness=sharpness,
+    )  # fmt: skip
+    return summed(parts, environment)
+
+
+def aligned_samples(
+    normals: Single,
+    eyes: Single,
+    environment: Environment,
+    kind: int,
+    parameters: Single,
+    *,
+    count: int,
+    strengths: NDArray[np.float64],
+    sharpness: float,
+) -> list[LobeSamples]:
+    """Return the samples that `aligned_lobes` sums."""
     undone = sharpness <= SINGLE and float(np.prod(1 - strengths)) >= _MILD
     parts = (
         _parts(kind, _MORE_UNDONE * count, _MORE_UNDONE_AT_RIM)
         if undone
         else _parts(kind, _MORE_ALIGNED * count)
     )
-    total = np.zeros((normals.shape[2], 1), np.float32)
+    found = []
     for between, samples in parts:
         tables = (
             lobe_tables(kind, parameters, Scaling(), samples)
             if undone
             else aligned_tables(kind, parameters, strengths, samples)
         )
-        total = total + _summed(
-            normals, eyes, environment, kind, parameters, tables, between=between,
-            strengths=strengths, sharpness=sharpness, undone=undone,
+        found.append(
+            _samples(
+                normals, eyes, environment, kind, parameters, tables, between=between,
+                strengths=strengths, sharpness=sharpness, undone=undone,
+            )
         )  # fmt: skip
-    return total
+    return found
 
 
 def _parts(
@@ -163,7 +211,7 @@ def _parts(
     return [((_RIM, 2.0), int(count)), ((-1.0, _RIM), int(at_rim * count))]
 
 
-def _summed(
+def _samples(
     normals: Single,
     eyes: Single,
     environment: Environment,
@@ -178,15 +226,11 @@ def _summed(
     strengths: NDArray[np.float64] | None = None,
     sharpness: float = 0.0,
     undone: bool = False,
-) -> Single:
-    """Return the sum over given samples; with strengths, each is aligned before it is shaded.
+) -> LobeSamples:
+    """Return given samples; with strengths, each is aligned before it is shaded.
 
     Or it is shaded where it lies, and alignment is undone.
     """
-    from meshdepict.shading.lobe_kernel import sum_lobes
-
-    count = normals.shape[2]
-    out = np.zeros((count, 3), np.float32)
     if frames is None:
         none, frame = np.empty(0, np.float32), np.empty((0, 3), np.float32)
         frames = Frames(none, none, frame, frame, frame)
@@ -204,6 +248,5 @@ def _summed(
         np.ascontiguousarray(upright(environment.up).T, np.float32), widest,
         np.array(between, np.float32),
     )  # fmt: skip
-    pieces = 4 * thread_count() if count * tables.cosines.shape[1] > 20_000 else 1
-    each(lambda a, b: sum_lobes(*arguments, out, a, b), spans(count, pieces))
-    return out[:, :1] if environment.gray else out
+    parts = MOST_PARTS if halves else 1
+    return LobeSamples(arguments, normals.shape[2], tables.cosines.shape[1], parts, blurs.texels)

@@ -26,6 +26,7 @@ from meshdepict.shading.reached import (
     ray_count,
     reached,
 )
+from meshdepict.shading.sampled import used_rays
 
 __all__ = ["phong"]
 
@@ -62,8 +63,8 @@ def phong(
     """Shade by ambient + diffuse · n·l + specular · (r·l)^shininess, r the reflected view.
 
     Points that face away from the eye are shaded for the eye mirrored in their tangent plane.
-    Shadows hide both terms of a light; of an environment the matt one alone, and its highlights
-    not. What bounces is the matt part, and the ambient term does not.
+    Shadows hide both terms of a light, and of an environment. What bounces is the matt part, which
+    has highlights where the eye sees it; the ambient term does not.
     """
     eye = sight(view, space, fitted=False)
     material = Phong(ambient, diffuse, specular, shininess)
@@ -78,6 +79,13 @@ def phong(
         shown=shown,
     )  # fmt: skip
     shaded = hidden_direct(
-        space, lamps, eyes(space, eye), material, reach, environments=environments, count=lights
+        space,
+        lamps,
+        eyes(space, eye),
+        material,
+        reach,
+        environments=environments,
+        count=lights,
+        rays=used_rays(space, rays),
     )
     return exposed(shaded + np.float32(ambient), exposure)

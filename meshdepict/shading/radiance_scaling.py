@@ -10,11 +10,9 @@ from numpy.typing import ArrayLike, NDArray
 from meshdepict.color.srgb import linear_to_srgb
 from meshdepict.errors import MeshdepictError
 from meshdepict.options import Choice, Range
-from meshdepict.scales.reads import Reads
 from meshdepict.scales.space import ScaleSpace
 from meshdepict.scene.material import (
     LitSphere,
-    Material,
     Mirror,
     Refractive,
     ambient_term,
@@ -35,7 +33,6 @@ from meshdepict.shading.features import (
     Parameter,
     Scale,
     Scaling,
-    bends,
     convexity,
     curved,
     eyes,
@@ -43,17 +40,10 @@ from meshdepict.shading.features import (
 from meshdepict.shading.gathering import PLAIN, Gathering
 from meshdepict.shading.hidden_light import albedo, hidden_direct, refuse_unhidden
 from meshdepict.shading.method import Exposure, exposed, method
-from meshdepict.shading.reached import (
-    USUAL_RAYS,
-    Bounces,
-    Denoise,
-    Reached,
-    Shadows,
-    ray_count,
-    reached,
-)
-from meshdepict.shading.sampled import AUTO_RAYS
+from meshdepict.shading.reached import USUAL_RAYS, Bounces, Denoise, Reached, Shadows, reached
+from meshdepict.shading.sampled import AUTO_RAYS, used_rays
 from meshdepict.shading.scaling_equation import LEAST_INVARIANT, scaling
+from meshdepict.shading.scaling_reads import scaling_bends, scaling_reads
 from meshdepict.shading.surroundings import (
     as_environment,
     gathered,
@@ -65,52 +55,14 @@ from meshdepict.shading.surroundings import (
 __all__ = ["LEAST_INVARIANT", "radiance_scaling", "scaling"]
 
 Floats = NDArray[Any]
+Single = NDArray[np.float32]
 
-
-def _reads(
-    last: int,
-    *,
-    material: str | Material,
-    curvature: str,
-    scale: int,
-    gain: float | None,
-    illumination: str,
-    shadows: bool,
-    bounces: int,
-    rays: int | str,
-    **options: Any,
-) -> Reads:
-    """Return the shape's own normals, with what scales light, and rays if they are wanted."""
-    shown = as_material(material)
-    lit = not isinstance(shown, (LitSphere, Mirror, Refractive))
-    hidden = ray_count(shadows=shadows, bounces=bounces, rays=rays or USUAL_RAYS)
-    rays = 0 if isinstance(rays, str) else rays  # which precomputed light refuses
-    gathered = {"occlusion": rays or 256, "irradiance": rays}.get(illumination, hidden)
-    own = Reads(normals=frozenset((0,)), rays=gathered if lit else 0)
-    return own | bends(scale, curvature) if _bends(shown, gain, **options) else own
-
-
-def _bends(
-    material: Material,
-    gain: float | None,
-    *,
-    magnitude: float,
-    ambient_magnitude: float | None,
-    diffuse_magnitude: float | None,
-    specular_magnitude: float | None,
-    warping: float,
-    **_: Any,
-) -> bool:
-    """Whether curvature has any weight."""
-    own = (ambient_magnitude, diffuse_magnitude, specular_magnitude)
-    scaled = any(magnitude if each is None else each for each in own)
-    mixed = isinstance(material, LitSphere) and material.concave is not None
-    return gain != 0 and bool(scaled or warping or mixed)
+_BRIGHTEST = np.float32(1e10)  # that is scaled again, by e^60 at most, where light is mirrored
 
 
 @method(
     scales=1,
-    reads=_reads,
+    reads=scaling_reads,
     linear=True,
     lights="several",
     needs=("curvature",),
@@ -212,7 +164,9 @@ def radiance_scaling(
     shadows, bounces : bool, int
         With light by light alone. Light that comes by rays, from the sky and by bounces, is scaled
         ray by ray, δ = n·d, by κ without its anisotropy; the ambient term neither is hidden nor
-        bounces, and highlights of an environment stay where its matt light is hidden.
+        bounces. Highlights, too, are of what rays meet: the sky or the surface. A mirror shows the
+        surface: mirrored as often as bounces says, then the environment, or nothing where shadows
+        hide that. A refractive body lets light out by up to so many walls within.
     enhance : {"first", "all"}
         "all" is the paper's fig. 11, of the surface's own curvature. Where albedo times scaling is
         above 1 light grows from bounce to bounce: the sum of so many bounces is finite still, and
@@ -232,7 +186,7 @@ def radiance_scaling(
         bounces of what has none.
     """
     if shadows or bounces:
-        refuse_unhidden(as_material(material), illumination)
+        refuse_unhidden(as_material(material), illumination, shadows=shadows)
         if enhance == "all" and curvature != "object":
             raise MeshdepictError(
                 f"enhance='all' is of the surface's own curvature: leave curvature={curvature!r} "
@@ -241,7 +195,7 @@ def radiance_scaling(
     chosen, eye, frames = curved(
         space, view, material, curvature=curvature, scale=scale, gain=gain,
         foreshortening=foreshortening,
-        needed=_bends(
+        needed=scaling_bends(
             as_material(material), gain, magnitude=magnitude, ambient_magnitude=ambient_magnitude,
             diffuse_magnitude=diffuse_magnitude, specular_magnitude=specular_magnitude,
             warping=warping,
@@ -259,12 +213,33 @@ def radiance_scaling(
     def scaled(value: Floats, delta: ArrayLike, gamma: float) -> Floats:
         return (value.T * scaling(kappa, delta, invariant=invariant, magnitude=gamma)).T
 
+    def bend_of_vertices() -> Single:
+        vertices = space.vertex_space
+        if vertices is space:
+            return kappa
+        return convexity(
+            vertices, eye, curvature=curvature, scale=scale, gain=gain,
+            foreshortening=foreshortening,
+        )  # fmt: skip
+
     if isinstance(chosen, LitSphere):
         colors = sphere_colors(space, eye, chosen, kappa)
         shaded = scaled(colors, luminance(colors), gamma_d)
     elif isinstance(chosen, (Mirror, Refractive)):
-        shown = seen(space, light, eye, chosen, frames, warping)
-        brightest = np.float32(max(as_environment(light, "a mirror").brightest, 1e-30))
+        brightest = np.float32(max(as_environment(light, type(chosen).__name__).brightest, 1e-30))
+
+        def mirrored(shown: Floats, bend: Floats) -> Floats:
+            delta = luminance(shown) / brightest
+            factor = scaling(bend, delta, invariant=invariant, magnitude=gamma_s)
+            return np.minimum(shown.T * factor, _BRIGHTEST).T
+
+        on_the_way = None
+        if enhance == "all" and bounces and frames is not None and gamma_s:
+            on_the_way = mirrored, space.on_surface(bend_of_vertices())
+        shown = seen(
+            space, light, eye, chosen, frames, warping, shadows=shadows, bounces=bounces,
+            rays=used_rays(space, rays or USUAL_RAYS), scaled=on_the_way,
+        )  # fmt: skip
         shaded = scaled(shown, luminance(shown) / brightest, gamma_s)
     elif illumination != "lights":
         if isinstance(rays, str):
@@ -282,14 +257,7 @@ def radiance_scaling(
         if shadows or bounces:
             gathering: Gathering = PLAIN
             if frames is not None and gamma_d and (bounces or environments):
-                vertices = space.vertex_space
-                bend = kappa
-                if vertices is not space:
-                    bend = convexity(
-                        vertices, eye, curvature=curvature, scale=scale, gain=gain,
-                        foreshortening=foreshortening,
-                    )  # fmt: skip
-                gathering = Enhancement(bend, gamma_d, alpha, enhance == "all")
+                gathering = Enhancement(bend_of_vertices(), gamma_d, alpha, enhance == "all")
 
             def displayed(light: Floats) -> Floats:
                 return linear_to_srgb(exposed(ambient + albedo(chosen) * light, exposure))
@@ -301,7 +269,8 @@ def radiance_scaling(
             )  # fmt: skip
         shaded = hidden_direct(
             space, lamps, eyes(space, eye), chosen, reach, environments=environments, count=lights,
-            frames=frames, warping=warping, scaling=Scaling(gamma_d, gamma_s, alpha, anisotropy),
+            rays=used_rays(space, rays or USUAL_RAYS), frames=frames, warping=warping,
+            scaling=Scaling(gamma_d, gamma_s, alpha, anisotropy),
         )  # fmt: skip
         if ambient:
             everywhere = np.full(len(kappa), ambient, np.float32)

@@ -5,8 +5,9 @@ options, `reached` what it asks for. With all of them off nothing is traced.
 
 Shadows hide each light by V, the share of it that a sample sees. Light bounces between matt
 surfaces: E_k = E_0 + T ρ E_{k−1}, E_0 what lights and the sky give directly, in which ρ is what the
-method's material reflects diffusely. Bounces without shadows let every light through to where it
-falls first, as without them; from there on surfaces are in each other's way as they are.
+method's material reflects diffusely, times the colours of the surface where they are kept. Bounces
+without shadows let every light through to where it falls first, as without them; from there on
+surfaces are in each other's way as they are.
 """
 
 from __future__ import annotations
@@ -18,10 +19,19 @@ from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from meshdepict.color.srgb import linear_to_srgb, srgb_to_linear
 from meshdepict.options import Flag, Range
 from meshdepict.scales.space import ScaleSpace
 from meshdepict.scene.environment import Environment
 from meshdepict.scene.light import Light
+from meshdepict.shading.company_light import sent_together
+from meshdepict.shading.first_light import (
+    added,
+    along,
+    first_light,
+    from_skies,
+    skies_and_lamps,
+)
 from meshdepict.shading.gathering import PLAIN, Gathering, Gathers, fallen
 from meshdepict.shading.sampled import AUTO_RAYS, FIRST_RAYS, enough
 from meshdepict.shading.smoothed_light import calmed
@@ -29,8 +39,7 @@ from meshdepict.transport.radiosity import sent_on
 from meshdepict.transport.rays import AGAIN, MOST_RAYS, probed
 
 if TYPE_CHECKING:
-    from meshdepict.transport.retraced import Retraced
-    from meshdepict.transport.transfer import Transfer
+    pass
 
 __all__ = [
     "USUAL_RAYS",
@@ -39,7 +48,6 @@ __all__ = [
     "LightRays",
     "Reached",
     "Shadows",
-    "added",
     "ray_count",
     "reached",
 ]
@@ -81,7 +89,8 @@ class Reached(NamedTuple):
     around : (n,) or (n, 3) array, optional
         E_k − E_0 of the lights: from the sky and by bounces, in units of a cosine. None: nothing.
     sent : (v,) or (v, 3) array, optional
-        B_{k−1} of the vertices of the surface, which the last bounce brought. None: no bounce.
+        B_{k−1} of the vertices of the surface, of all objects that stand together, which the last
+        bounce brought. None: no bounce.
     """
 
     seen: Shares
@@ -127,17 +136,21 @@ def reached(
         Grey levels of error from which on light of the sky and of bounces is smoothed between
         neighbours, as far as makes it better; see `smoothed_light`. Discs and lamps are not.
     albedo : float
-        What matt surfaces send on.
+        What matt surfaces send on, times the space's ``tints`` where it has any.
     shown : callable
         What the method displays, in [0, 1], where so much light arrives.
     gathering : Gathering
         What the method makes of light at the vertices of the surface: ``around`` is gathered so.
+        Where nothing comes around, at the samples: only the error is told by it then.
 
     Raises
     ------
     MeshdepictError
         For samples that are no part of a surface.
     """
+    inside = gathering if gathering.everywhere else PLAIN  # for what is sent on
+    if space.company is not None:
+        space.company.hear(space, albedo, inside)
     if not (shadows or bounces):
         return Reached((None,) * len(lights))
 
@@ -172,16 +185,16 @@ def _sampled(
         if soft:
             places = space.surface.recentred(space.points), space.normals_at(0)
             chosen = probed(len(space.points))
-            once = fallen(PLAIN, places[1], lights, seen)[chosen]
-            at = places[0][chosen], places[1][chosen]
+            own, at = gathering.at(chosen), (places[0][chosen], places[1][chosen])
+            seen_once: Shares = tuple(one if one is None else one[chosen] for one in seen)
             seen_again = tuple(
                 space.seen_share(each, rays=rays, at=at, steps=AGAIN) for each in lights
             )
-            again = fallen(PLAIN, at[1], lights, seen_again)
+            once, again = (fallen(own, at[1], lights, each) for each in (seen_once, seen_again))
             space.light_errors[rays] = _apart(shown(once), shown(again))
         return Reached(seen)
 
-    transfer = space.transport(rays)
+    transfer = gathering.traced(space, rays)
     at = transfer.points, transfer.normals
     falling = seen
     if shadows and not space.at_vertices:
@@ -192,28 +205,39 @@ def _sampled(
             for light in lights
         )
     inside = gathering if gathering.everywhere else PLAIN  # for what is sent on
-    first = _along(gathering, transfer)
-    inner = first if inside is gathering else _along(inside, transfer)
-    from meshdepict.transport.sky_cells import parted_sky
-
-    parts = [parted_sky(environment) for environment in environments]
-    skies, lamps = [sky for sky, _ in parts], [lamp for _, some in parts for lamp in some]
+    first = along(gathering, transfer)
+    skies, lamps = skies_and_lamps(environments)
     lit = space.seen_from_vertices(lamps) if lamps else ()
     shone = fallen(gathering, at[1], lamps, lit)
-    by_rays = _sky(first, skies)
+    by_rays = from_skies(first, skies)
     around = added(by_rays, shone)
     sent: Single | None = None
     if bounces:
-        start = fallen(inside, at[1], lights, falling)
-        start = added(start, by_rays if inner is first else _sky(inner, skies))
-        start = added(start, shone if inner is first else fallen(inside, at[1], lamps, lit))
-        sent = sent_on(inner, start, albedo=albedo, bounces=bounces)
+        if space.company is not None:
+            sent = sent_together(
+                space.company, lights, environments, shadows=shadows, bounces=bounces, rays=rays
+            )
+        else:
+            if inside is gathering:
+                inner: Gathers = first
+                light = added(added(fallen(inside, at[1], lights, falling), by_rays), shone)
+            else:
+                # A single bounce of lights alone takes none of these rays.
+                inner = (
+                    first
+                    if bounces == 1 and not skies
+                    else along(inside, inside.traced(space, rays))
+                )
+                seen_lights, seen_lamps = (lights, falling), (lamps, lit)
+                light = first_light(inside, inner, at[1], seen_lights, skies, seen_lamps)
+            reflected = albedo if space.tints is None else np.float32(albedo) * space.tints
+            sent = sent_on(inner, light, albedo=reflected, bounces=bounces)
         brought = first.from_surface(sent)
         by_rays, around = added(by_rays, brought), added(around, brought)
     if probes := transfer.probes:
         chosen = probes.chosen
         own = gathering.at(chosen)
-        second = _along(own, probes.transfer, again=True)
+        second = along(own, probes.transfer, again=True)
         places = transfer.points[chosen], transfer.normals[chosen]
         known: Shares = tuple(share if share is None else share[chosen] for share in falling)
         others: Shares = known
@@ -221,51 +245,37 @@ def _sampled(
             others = tuple(
                 space.seen_share(each, rays=rays, at=places, steps=AGAIN) for each in lights
             )
-        again = added(_sky(second, skies), shone[chosen])
+        again = added(from_skies(second, skies), shone[chosen])
         if sent is not None:
             again = added(again, second.from_surface(sent))
+        tints = None if sent is None or space.tints is None else space.tints[chosen]
+
+        def seen_as(light: Single) -> NDArray[Any]:
+            return shown(light) if tints is None else _tinted(shown(light), tints)
+
         direct = fallen(own, places[1], lights, known)
-        once, twice = shown(added(direct, around[chosen])), shown(added(direct, again))
+        once, twice = seen_as(added(direct, around[chosen])), seen_as(added(direct, again))
         error = _apart(once, twice)
-        whole = _apart(once, shown(added(fallen(own, places[1], lights, others), again)))
+        whole = _apart(once, seen_as(added(fallen(own, places[1], lights, others), again)))
         if 0 < denoise < whole:
 
             def told(light: Single, left: float) -> float:
-                smooth = shown(added(direct, added(light, shone)[chosen]))
+                smooth = seen_as(added(direct, added(light, shone)[chosen]))
                 apart = float(np.mean((255 * (np.asarray(smooth, np.float64) - twice)) ** 2))
                 # Of it the second set's own noise is no error of the first.
                 off = max(apart - error**2, left * error**2)
                 return math.sqrt(max(whole**2 - error**2, 0.0) + off)
 
-            calm, whole = calmed(space.surface, at[1], by_rays, told, (denoise, whole))
+            calm, whole = calmed(space.own_surface, at[1], by_rays, told, (denoise, whole))
             around = around if calm is by_rays else added(calm, shone)
         space.light_errors[rays] = whole
     return Reached(seen, space.of_vertices(around).astype(np.float32), sent)
 
 
-def _along(gathering: Gathering, transfer: Transfer | Retraced, *, again: bool = False) -> Gathers:
-    """Return what gathers light along rays, kept or not."""
-    from meshdepict.transport.retraced import InParts, Retraced
-
-    if not isinstance(transfer, Retraced):
-        return gathering.along(transfer, again=again)
-    return InParts(transfer, lambda part, here: gathering.at(here).along(part, again=again))
-
-
-def _sky(transfer: Gathers, environments: Sequence[Environment]) -> Single:
-    """Return what comes from environments; in colour where one of them has any."""
-    total = np.zeros(len(transfer), np.float32)
-    for environment in environments:
-        sky = transfer.from_sky(environment)
-        total = added(total, sky[:, 0] if environment.gray else sky)
-    return total
-
-
-def added(one: Single, other: Single) -> Single:
-    """Return the sum of two results, in colour where either is."""
-    if one.ndim == other.ndim:
-        return one + other
-    return one + other[:, None] if one.ndim == 2 else one[:, None] + other
+def _tinted(shown: NDArray[Any], tints: Single) -> NDArray[Any]:
+    """Return what is displayed (k,) or (k, 3) on surfaces of a colour, as it is shown at last."""
+    light = srgb_to_linear(shown)
+    return np.asarray(linear_to_srgb((light if light.ndim == 2 else light[:, None]) * tints))
 
 
 def _apart(one: NDArray[Any], other: NDArray[Any]) -> float:

@@ -15,7 +15,7 @@ from meshdepict.scales.space import ScaleSpace
 from meshdepict.transport.rays import MOST_RAYS, ray_scene
 from meshdepict.transport.transfer import fits_memory
 
-__all__ = ["AUTO_RAYS", "AUTO_SECONDS", "FIRST_RAYS", "UNSEEN", "enough"]
+__all__ = ["AUTO_RAYS", "AUTO_SECONDS", "FIRST_RAYS", "UNSEEN", "enough", "used_rays"]
 
 Result = TypeVar("Result")
 
@@ -28,6 +28,14 @@ UNSEEN = 2.0
 
 AUTO_SECONDS = 5.0
 """What the search for a number of rays may take, about."""
+
+
+def used_rays(space: ScaleSpace, rays: int | str) -> int:
+    """Return a number of rays; of as many as it takes, what the last light took."""
+    if rays != AUTO_RAYS:
+        return int(rays)
+    found = space.light_errors.found
+    return FIRST_RAYS if found is None else found.rays
 
 
 def enough(space: ScaleSpace, sampled: Callable[[int], Result]) -> Result:

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from meshdepict.scene.environment import Environment
 from meshdepict.shading.transmission import fresnel
 
-__all__ = ["background_light", "transmitted_guides"]
+__all__ = ["background_light", "transmitted_guides", "turned_guides"]
 
 Single = NDArray[np.float32]
 
@@ -44,6 +44,30 @@ def transmitted_guides(planes: Single, eye: Single, refraction: float) -> Single
             through = guides[scale - 1] + share * (through - guides[scale - 1])
         guides[scale] = through / np.maximum(np.linalg.norm(through, axis=0), np.float32(1e-6))
     return guides
+
+
+def turned_guides(guides: Single, leaving: Single) -> Single:
+    """Return the transmitted views of every scale, turned so that the finest is where rays leave.
+
+    The shortest turn takes t_1 there, and the others with it: each scale differs from the next as
+    it did.
+
+    Parameters
+    ----------
+    guides : (S, 3, n) array
+        Of `transmitted_guides`.
+    leaving : (3, n) array
+        Unit.
+    """
+    first = guides[0]
+    axis = np.cross(first, leaving, axis=0)
+    cosine = (first * leaving).sum(axis=0)
+    # v cos + a × v + a (a·v) / (1 + cos), a = t_1 × leaving of length sin.
+    along = (guides * axis).sum(axis=1, keepdims=True)
+    across = np.cross(np.broadcast_to(axis, guides.shape), guides, axis=1)
+    found = guides * cosine + across + along * axis / np.maximum(1 + cosine, np.float32(1e-4))
+    size = np.linalg.norm(found, axis=1, keepdims=True)
+    return np.asarray(found / np.maximum(size, np.float32(1e-6)), np.float32)
 
 
 def background_light(

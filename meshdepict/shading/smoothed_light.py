@@ -95,8 +95,8 @@ class LightSmoothing:
         return float(np.clip(share, 0, 1).mean()) if self._fits.any() else 1.0
 
     def _sums(self, channels: Floats, width: float | None = None) -> Floats:
-        sums = PatchSums(self._patches, self._points, channels)
-        found = sums.at(width or self._width, error=_ERROR)
+        wide = width or self._width
+        found = PatchSums(self._patches, self._points, channels, (wide,)).at(wide, error=_ERROR)
         return np.asarray(found, np.float64)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -23,7 +24,9 @@ from meshdepict.scene.names import LightsLike
 from meshdepict.scene.vectors import in_frame
 from meshdepict.scene.view import View
 from meshdepict.shading.features import Frames, eyes
+from meshdepict.shading.mirrored_light import mirrored_light
 from meshdepict.shading.painted import painted, sphere_picture
+from meshdepict.shading.refracted_light import refracted_light
 from meshdepict.shading.warp_equations import warp, warp_scale
 
 __all__ = ["as_environment", "gathered", "luminance", "seen", "sphere_colors"]
@@ -54,12 +57,15 @@ def luminance(colors: NDArray[Any]) -> Single:
 
 def seen(
     space: ScaleSpace, light: LightsLike, view: View, material: Mirror | Refractive,
-    frames: Frames | None = None, warping: float = 0.0,
+    frames: Frames | None = None, warping: float = 0.0, *,
+    shadows: bool = False, bounces: int = 0, rays: int = 64,
+    scaled: tuple[Callable[[Single, Single], Single], Single] | None = None,
 ) -> Single:  # fmt: skip
     """Return the radiance (n, 3) in the direction where a mirror or a refraction looks.
 
     Light Warping turns that direction; it is kept even where it leaves the hemisphere of the
-    normal, where a black hole would be the alternative.
+    normal, where a black hole would be the alternative. With shadows or bounces rays go there; see
+    `mirrored_light` and `refracted_light` for the rest.
     """
     environment = as_environment(light, type(material).__name__)
     normals = space.normals_at(0)
@@ -73,6 +79,13 @@ def seen(
         local = np.einsum("nij,nj->ni", axes, directions)
         turned = warp(local, warp_scale(frames.ku, warping), warp_scale(frames.kv, warping))
         directions = np.einsum("nij,ni->nj", axes, turned)
+    if isinstance(material, Refractive) and bounces:
+        return refracted_light(space, environment, directions, material, bounces=bounces, rays=rays)
+    if isinstance(material, Mirror) and (shadows or bounces):
+        return mirrored_light(
+            space, environment, directions, roughness=material.roughness, shadows=shadows,
+            bounces=bounces, rays=rays, scaled=scaled,
+        )  # fmt: skip
     return environment.lookup(directions, blur=material.roughness)
 
 

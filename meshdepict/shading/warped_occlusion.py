@@ -11,6 +11,7 @@ from meshdepict.scales.space import ScaleSpace
 from meshdepict.shading.features import Frames
 from meshdepict.shading.warp_equations import warp, warp_scale
 from meshdepict.threads import each, spans
+from meshdepict.transport.rays import checked_rays
 
 __all__ = ["warped_openness"]
 
@@ -29,7 +30,13 @@ def warped_openness(
 
     A partner below the horizon of the normal counts as blocked, as everywhere in Light Warping.
     Without frames every direction is its own partner.
+
+    Raises
+    ------
+    MeshdepictError
+        For a number of rays beyond 2 … 65536.
     """
+    rays = checked_rays(rays)
     from embreex.mesh_construction import TriangleMesh
     from embreex.rtcore_scene import EmbreeScene
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from meshdepict.threads import kernel
 
-__all__ = ["lights_at", "look_up", "stretch", "turned", "unwarp"]
+__all__ = ["lights_at", "look_up", "stretch", "turned", "unwarp", "warp_rays"]
 
 _ZERO, _HALF, _ONE, _TWO = np.float32(0), np.float32(0.5), np.float32(1), np.float32(2)
 _TINY = np.float32(1e-30)
@@ -96,3 +96,27 @@ def look_up(environment, local, turn, scale_u, scale_v, nx, ny, nz, weight, colo
             top = (_ONE - fc) * environment[upper, left, c] + fc * environment[upper, right, c]
             base = (_ONE - fc) * environment[lower, left, c] + fc * environment[lower, right, c]
             radiance[k, c] = colors[k, c] * ((_ONE - fr) * top + fr * base)
+
+
+@kernel("contracted")
+def warp_rays(directions, which, u, v, z, scale_u, scale_v):  # type: ignore[no-untyped-def]
+    """Turn the directions d (k, rays, 3) in the world of the points `which` (k,) to W(d)."""
+    for i in range(len(which)):
+        at = which[i]
+        a, b = scale_u[at], scale_v[at]
+        ux, uy, uz = u[at, 0], u[at, 1], u[at, 2]
+        vx, vy, vz = v[at, 0], v[at, 1], v[at, 2]
+        wx, wy, wz = z[at, 0], z[at, 1], z[at, 2]
+        for k in range(directions.shape[1]):
+            x, y, d = directions[i, k, 0], directions[i, k, 1], directions[i, k, 2]
+            lu = ux * x + uy * y + uz * d
+            lv = vx * x + vy * y + vz * d
+            lz = wx * x + wy * y + wz * d
+            far = (lu * lu + lv * lv) / (_ONE - min(lz, _ZERO))
+            q = far if lz < _ZERO else _ONE + lz
+            p, r = a * lu, b * lv
+            t = _TWO * q / max(q * q + p * p + r * r, _TINY)
+            p, r, q = t * p, t * r, t * q - _ONE
+            directions[i, k, 0] = ux * p + vx * r + wx * q
+            directions[i, k, 1] = uy * p + vy * r + wy * q
+            directions[i, k, 2] = uz * p + vz * r + wz * q

@@ -124,6 +124,13 @@ class Geometry:
         """The triangles, all turned outwards."""
         return frozen(self._sides.faces)
 
+    @cached_property
+    def open_faces(self) -> NDArray[np.bool_]:
+        """Of each triangle, whether its part of the surface has a boundary; see `openings`."""
+        from meshdepict.surface.openings import open_faces
+
+        return frozen(open_faces(self.unit_points, self.faces))
+
     # --- what shading needs -----------------------------------------------------------------
 
     @cached_property

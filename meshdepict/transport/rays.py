@@ -31,11 +31,13 @@ __all__ = [
     "BATCH",
     "FIRST",
     "MOST_RAYS",
+    "OFFSET",
     "Bundle",
     "RaySet",
     "Steps",
     "checked_rays",
     "cosine_weighted",
+    "half_even",
     "lifted",
     "probed",
     "ray_scene",
@@ -50,8 +52,8 @@ MOST_RAYS = 65_536
 BATCH = 65_536
 """Rays that are traced at once: three megabytes, however large the mesh."""
 
-_OFFSET = 1e-5  # of a ray's start from the surface, in diagonals: 100 roundings in float32
-AHEAD = np.float32(0.25 * _OFFSET)
+OFFSET = 1e-5  # of a ray's start from the surface, in diagonals: 100 roundings in float32
+AHEAD = np.float32(0.25 * OFFSET)
 """Of a ray that begins further on: less than what lifts a start off the walls of its corner."""
 _GOLDEN = (math.sqrt(5) - 1) / 2
 _GRID = 2.0**20  # positions this share of a diagonal apart have different shifts
@@ -109,7 +111,14 @@ class RaySet:
         self._cos, self._sin = np.cos(angle).astype(np.float32), np.sin(angle).astype(np.float32)
 
     def leaving(
-        self, points: Floats, lifts: Floats, axes: Floats, steps: Steps, *, ahead: bool = False
+        self,
+        points: Floats,
+        lifts: Floats,
+        axes: Floats,
+        steps: Steps,
+        *,
+        ahead: bool = False,
+        bend: Callable[[Single], None] | None = None,
     ) -> Bundle:
         """Return the rays from points a little above a surface.
 
@@ -124,6 +133,8 @@ class RaySet:
         ahead : bool
             Whether rays also begin a little further on: from a point within another part's face,
             as at the foot of what stands on a table, that is on the side to which they go.
+        bend : callable, optional
+            Turns directions (n, rays, 3), in place, before rays leave along them.
         """
         turn, shift = (np.floor(points * _GRID) @ steps.T % 1).T.astype(np.float32)
         frame = _frames(axes, turn)
@@ -134,6 +145,8 @@ class RaySet:
         for axis in range(3):  # rather than over (…, 3) at once, which takes twice as long
             x, y, z = (v[:, axis, None] for v in frame)
             directions[..., axis] = local[0] * x + local[1] * y + local[2] * z
+        if bend is not None:
+            bend(directions)
         origins = np.repeat(started(points, lifts), self.rays, axis=0)
         if ahead:
             origins += AHEAD * directions.reshape(-1, 3)
@@ -142,12 +155,20 @@ class RaySet:
 
 def started(points: Floats, lifts: Floats) -> Single:
     """Return where rays from points (n, 3) start, off the surface along unit vectors."""
-    return (points + _OFFSET * lifts).astype(np.float32)
+    return (points + OFFSET * lifts).astype(np.float32)
 
 
 def cosine_weighted(share: Floats) -> Floats:
     """Return heights of directions that are as dense as light from them counts."""
     return np.sqrt(1 - share)
+
+
+def half_even(share: Floats) -> Floats:
+    """Return heights u of directions of which half are cosine-weighted, and half evenly spread.
+
+    Above u are (1 − u²)/2 + (1 − u)/2 of them: u² + u = 2 (1 − share).
+    """
+    return (np.sqrt(9 - 8 * share) - 1) / 2
 
 
 def ray_scene(mesh: Mesh) -> EmbreeScene:

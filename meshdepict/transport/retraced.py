@@ -17,6 +17,8 @@ from meshdepict.files.limits import as_text, max_memory
 from meshdepict.transport.rays import BATCH, FIRST, Steps, checked_rays
 from meshdepict.transport.transfer import (
     RAY_BYTES,
+    USUAL,
+    Leaving,
     Probes,
     Transfer,
     fits_memory,
@@ -58,6 +60,7 @@ class Retraced:
         Of each sample.
     steps : (2, 3) array
         Which set; see `rays`.
+    how : Leaving
     probes : Probes, optional
         What tells the error.
 
@@ -79,6 +82,7 @@ class Retraced:
         rays: int,
         *,
         steps: Steps = FIRST,
+        how: Leaving = USUAL,
         probes: Probes | None = None,
     ) -> None:
         least = RAY_BYTES * max(rays, BATCH)
@@ -91,6 +95,7 @@ class Retraced:
         self.points, normals, self.lifts = at
         self.normals = np.asarray(normals, np.float32)
         self._mesh, self._axes, self._steps = mesh, np.asarray(normals), steps
+        self._how = how
         self._step = max_memory() // (RAY_BYTES * rays)
         self.progress: Progress | None = None
 
@@ -117,7 +122,12 @@ class Retraced:
                     self.progress(min(first + finished * batch, last), count)
 
             at = self.points[here], self._axes[here], self.lifts[here]
-            yield here, traced_part(self._mesh, at, self.rays, steps=self._steps, done=done)
+            yield (
+                here,
+                traced_part(
+                    self._mesh, at, self.rays, steps=self._steps, how=self._how.of(here), done=done
+                ),
+            )
 
     def from_surface(self, values: NDArray[Any], /) -> Single:
         """Return T B; see `Transfer.from_surface`."""
@@ -172,13 +182,15 @@ def transfer_of(
     *,
     normals: NDArray[Any] | None = None,
     rays: int = 64,
+    part: slice = slice(None),
+    how: Leaving = USUAL,
     progress: Progress | None = None,
 ) -> Transfer | Retraced:
     """Return where rays from the vertices of a mesh go, kept where the memory that is allowed does.
 
     Parameters
     ----------
-    mesh, normals, rays
+    mesh, normals, rays, part, how
         As for `traced_transfer`.
     progress : callable, optional
         ``progress(done, total)``.
@@ -191,8 +203,9 @@ def transfer_of(
     from meshdepict.transport.transfer import traced_transfer
 
     count = checked_rays(rays)
-    if fits_memory(len(mesh.vertices), count):
-        batches = -(-len(mesh.vertices) // max(1, BATCH // count))
+    samples = len(mesh.vertices[part])
+    if fits_memory(samples, count):
+        batches = -(-samples // max(1, BATCH // count))
         finished = 0
 
         def done(_: int) -> None:
@@ -201,12 +214,12 @@ def transfer_of(
             if progress is not None:
                 progress(min(finished, batches), batches)
 
-        return traced_transfer(mesh, normals=normals, rays=count, done=done)
-    at = places(mesh, normals)
+        return traced_transfer(mesh, normals=normals, rays=count, part=part, how=how, done=done)
+    at = places(mesh, normals, part)
     chosen, again, steps = probe_places(at)
     second: Transfer | Retraced = (
-        traced_part(mesh, again, count, steps=steps)
+        traced_part(mesh, again, count, steps=steps, how=how.of(chosen))
         if fits_memory(len(chosen), count)
-        else Retraced(mesh, again, count, steps=steps)
+        else Retraced(mesh, again, count, steps=steps, how=how.of(chosen))
     )
-    return Retraced(mesh, at, count, probes=Probes(chosen, second))
+    return Retraced(mesh, at, count, how=how, probes=Probes(chosen, second))

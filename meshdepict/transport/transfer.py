@@ -1,7 +1,7 @@
 """Light from surface to surface and from the sky, as rays that are traced once.
 
-R cosine-weighted rays leave each sample. What they meet is kept, so that any light that goes from
-sample to sample, and any sky, costs a sum and no ray:
+R rays leave each sample, cosine-weighted mostly. What they meet is kept, so that any light that
+goes from sample to sample, and any sky, costs a sum and no ray:
 
     (T B)_i = (1/R) Σ_hits Σ_corners w B_corner        S_i = (1/R) Σ_misses L(d)
 
@@ -15,15 +15,15 @@ its sides are real, and alike.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from meshdepict.errors import MeshdepictError
 from meshdepict.files.limits import as_text, max_memory
-from meshdepict.surface.openings import open_faces
 from meshdepict.threads import each, kernel, spans, thread_count
 from meshdepict.transport.rays import (
     AGAIN,
@@ -40,13 +40,13 @@ from meshdepict.transport.rays import (
 from meshdepict.transport.sky_cells import cell, sky_colors
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from meshdepict.scene.environment import Environment
     from meshdepict.shapes.mesh import Mesh
 
 __all__ = [
     "RAY_BYTES",
+    "USUAL",
+    "Leaving",
     "Probes",
     "Transfer",
     "fits_memory",
@@ -58,11 +58,52 @@ __all__ = [
 
 Floats = NDArray[np.float64]
 Single = NDArray[np.float32]
+Ints = NDArray[np.int64]
 Places = tuple[Floats, NDArray[Any], Floats]
+Bend = Callable[[Single, Ints], None]
 
 _WEIGHTS = 65_535  # of a barycentric coordinate of 1
 RAY_BYTES = 16
 """What a ray takes at most while it is traced: 8 as it is kept, 8 until all are put together."""
+
+_ANY = np.float32(-2)  # cosine that every ray's to the normal is above
+_HORIZON = np.float32(0)
+
+
+class Leaving(NamedTuple):
+    """How rays leave samples.
+
+    Attributes
+    ----------
+    height : callable
+        How dense they are; see `rays.RaySet`. Whoever takes another than `cosine_weighted` has to
+        weigh what they bring.
+    bend : callable, optional
+        Turns the directions (k, rays, 3) of the samples of some numbers (k,), in place, before rays
+        leave along them. What goes below the horizon of the normal then counts for nothing: it
+        brings no light, and is among the rays.
+    samples : array of int, optional
+        The samples' numbers; from 0 on unless given.
+    """
+
+    height: Callable[[Floats], Floats] = cosine_weighted
+    bend: Bend | None = None
+    samples: Ints | None = None
+
+    def of(self, some: Ints) -> Leaving:
+        """Return that of some of the samples."""
+        return self._replace(samples=some if self.samples is None else self.samples[some])
+
+    def turned(self, begin: int, end: int) -> Callable[[Single], None] | None:
+        """Return what turns the directions of samples [begin, end)."""
+        bend, numbers = self.bend, self.samples
+        if bend is None:
+            return None
+        here = np.arange(begin, end) if numbers is None else numbers[begin:end]
+        return lambda directions: bend(directions, here)
+
+
+USUAL = Leaving()
 
 
 @dataclass(frozen=True, eq=False)
@@ -179,6 +220,8 @@ def traced_transfer(
     *,
     normals: NDArray[Any] | None = None,
     rays: int = 64,
+    part: slice = slice(None),
+    how: Leaving = USUAL,
     done: Callable[[int], None] | None = None,
 ) -> Transfer:
     """Trace the rays from the vertices of a mesh, and of a thousand of them once more.
@@ -189,7 +232,11 @@ def traced_transfer(
     normals : (n, 3) array, optional
         Unit, of its vertices, in place of its own.
     rays : int
-        Per vertex, 2 … 65536, cosine-weighted.
+        Per vertex, 2 … 65536.
+    part : slice
+        Of which vertices; all unless given.
+    how : Leaving
+        Cosine-weighted unless given.
     done : callable, optional
         Called with the number of a finished batch.
 
@@ -199,23 +246,23 @@ def traced_transfer(
         For another number of rays, and for more than memory holds.
     """
     count = checked_rays(rays)
-    if not fits_memory(len(mesh.vertices), count):
-        needed = RAY_BYTES * count * len(mesh.vertices)
+    at = places(mesh, normals, part)
+    if not fits_memory(len(at[0]), count):
+        needed = RAY_BYTES * count * len(at[0])
         raise MeshdepictError(
-            f"rays={count} from {len(mesh.vertices):,} samples may take {as_text(needed)}, more "
+            f"rays={count} from {len(at[0]):,} samples may take {as_text(needed)}, more "
             f"than the {as_text(max_memory())} of memory that are allowed: take fewer, or allow "
             "more with --max-memory"
         )
-    at = places(mesh, normals)
     chosen, again, steps = probe_places(at)
-    second = traced_part(mesh, again, count, steps=steps)
-    return _traced(mesh, *at, count, FIRST, probes=Probes(chosen, second), done=done)
+    second = traced_part(mesh, again, count, steps=steps, how=how.of(chosen))
+    return _traced(mesh, *at, count, FIRST, how=how, probes=Probes(chosen, second), done=done)
 
 
-def places(mesh: Mesh, normals: NDArray[Any] | None = None) -> Places:
-    """Return points, normals and where rays start off (n, 3) of a mesh's vertices."""
+def places(mesh: Mesh, normals: NDArray[Any] | None = None, part: slice = slice(None)) -> Places:
+    """Return points, normals and where rays start off (n, 3) of a mesh's vertices, or of a part."""
     where = mesh.normals if normals is None else np.asarray(normals)
-    return mesh.unit_points, where, lifted(mesh.unit_points, where)
+    return mesh.unit_points[part], where[part], lifted(mesh.unit_points, where)[part]
 
 
 def probe_places(at: Places) -> tuple[NDArray[np.int64], Places, Steps]:
@@ -231,10 +278,11 @@ def traced_part(
     rays: int,
     *,
     steps: Steps = FIRST,
+    how: Leaving = USUAL,
     done: Callable[[int], None] | None = None,
 ) -> Transfer:
     """Trace the rays of some samples; ``at`` as `places` has them."""
-    return _traced(mesh, *at, rays, steps, done=done)
+    return _traced(mesh, *at, rays, steps, how=how, done=done)
 
 
 def _traced(
@@ -245,16 +293,18 @@ def _traced(
     rays: int,
     steps: Steps,
     *,
+    how: Leaving,
     probes: Probes | None = None,
     done: Callable[[int], None] | None = None,
 ) -> Transfer:
-    scene, ray_set = ray_scene(mesh), RaySet(rays, cosine_weighted)
+    scene, ray_set = ray_scene(mesh), RaySet(rays, how.height)
+    least = _ANY if how.bend is None else _HORIZON
     outward = mesh.outward_faces
     a, b, c = (mesh.unit_points[corner] for corner in outward.T)
     facing = np.cross(b - a, c - a)
     largest = np.abs(facing).max(axis=1, keepdims=True)
     facing = (facing / np.where(largest > 0, largest, 1)).astype(np.float32)
-    facing[open_faces(mesh.unit_points, mesh.faces)] = 0  # never seen from behind
+    facing[mesh.open_faces] = 0  # never seen from behind
     # Embree counts u and v from the corners as the scene has them, turned or not.
     faces = mesh.faces.astype(np.int32)
     batch = max(1, BATCH // rays)
@@ -264,15 +314,17 @@ def _traced(
     def work(number: int, begin: int, end: int) -> None:
         here = slice(begin, end)
         axes = np.asarray(normals[here], np.float64)
-        bundle = ray_set.leaving(points[here], lifts[here], axes, steps, ahead=True)
+        bundle = ray_set.leaving(
+            points[here], lifts[here], axes, steps, ahead=True, bend=how.turned(begin, end)
+        )
         met = scene.run(*bundle.flat, query="INTERSECT", output=True)
         size = (end - begin) * rays
         counts = np.zeros((2, end - begin), np.int64)
         triangle, weights = np.empty(size, np.int32), np.empty((size, 2), np.uint16)
         sky = np.empty(size, np.uint16)
         hit, missed = _sorted_out(
-            bundle.directions, met["primID"], met["u"], met["v"], facing, counts, triangle,
-            weights, sky,
+            bundle.directions, axes.astype(np.float32), least, met["primID"], met["u"], met["v"],
+            facing, counts, triangle, weights, sky,
         )  # fmt: skip
         parts[number] = counts, triangle[:hit].copy(), weights[:hit].copy(), sky[:missed].copy()
 
@@ -291,7 +343,9 @@ def _traced(
 
 
 @kernel()
-def _sorted_out(directions, met, u, v, facing, counts, triangle, weights, sky):  # type: ignore[no-untyped-def]
+def _sorted_out(  # type: ignore[no-untyped-def]
+    directions, normals, least, met, u, v, facing, counts, triangle, weights, sky
+):
     """Part the rays of a batch into those that meet a face and those that get away."""
     samples, rays = directions.shape[:2]
     hit = missed = 0
@@ -300,6 +354,8 @@ def _sorted_out(directions, met, u, v, facing, counts, triangle, weights, sky): 
             k = i * rays + j
             f = met[k]
             x, y, z = directions[i, j, 0], directions[i, j, 1], directions[i, j, 2]
+            if x * normals[i, 0] + y * normals[i, 1] + z * normals[i, 2] <= least:
+                continue
             if f < 0:
                 sky[missed] = cell(x, y, z)
                 missed += 1

@@ -48,6 +48,8 @@ TABLE = {"points": [{"value": v, "opacity": o, "color": c} for v, o, c in POINTS
 CALLS: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {
     "bake": (md.bake, {"shape": BALL, "scales": 1}),
     "bake an image": (md.bake, {"shape": IMAGE, "scales": 1}),
+    "bake_together": (md.bake_together, {"shapes": [BALL], "scales": 1}),
+    "ground_under": (md.ground_under, {"mesh": BALL}),
     "bake_volume": (md.bake_volume, {"volume": CT, "scales": 1}),
     "plate": (md.plate, {"shapes": BALL, "methods": "lambert", "size": (80, 90), "views": "front"}),
     "methods": (md.methods, {}),

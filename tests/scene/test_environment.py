@@ -166,6 +166,22 @@ def test_blurred_lookup_keeps_the_mean_and_widens(rng):
     np.testing.assert_allclose(white, 0.5, rtol=1e-4)
 
 
+def test_each_direction_may_have_a_blur_of_its_own(rng):
+    environment = Environment(rng.uniform(0, 1, (64, 128, 3)) ** 6)
+    d = unit(rng, 200)
+    for blur in (0.0, 0.01, 0.05, 0.2, 0.33, 1.6, 3.0):
+        alone = environment.lookup(d, blur=blur)
+        together = environment.lookup(d, blur=np.full(len(d), blur))
+        np.testing.assert_allclose(together, alone, atol=1e-5)
+    blurs = rng.uniform(0, 2, len(d))
+    mixed = environment.lookup(d, blur=blurs)
+    for i in (0, 17, 199):
+        np.testing.assert_allclose(mixed[i], environment.lookup(d[i], blur=blurs[i]), atol=1e-5)
+    for wrong in (np.full(3, 0.1), np.full(len(d), -1.0), np.full(len(d), np.nan)):
+        with pytest.raises(MeshdepictError, match="is not a width in radians for every direction"):
+            environment.lookup(d, blur=wrong)
+
+
 def test_real_files_have_sensible_lights(data):
     for path in sorted((data / "env").glob("*.hdr")):
         environment = Environment.from_file(path)

@@ -9,7 +9,7 @@ from meshdepict.errors import MeshdepictError
 from meshdepict.scales.chosen_samples import ChosenSamples
 from meshdepict.scene.environment import Environment
 from meshdepict.scene.light import Light
-from meshdepict.scene.material import HalfLambert, Lambert, LitSphere, Mirror
+from meshdepict.scene.material import HalfLambert, Lambert, LitSphere
 from meshdepict.scene.view import View
 from meshdepict.shading.enhancement import Enhancement
 from meshdepict.shading.features import features
@@ -146,7 +146,6 @@ def test_refined_meshes_and_views_have_bounces_too(torus):
     ("options", "sentence"),
     [
         ({"material": LitSphere()}, "LitSphere shows no lights that could cast shadows"),
-        ({"material": Mirror()}, "Mirror shows no lights that could cast shadows"),
         ({"illumination": "occlusion"}, "illumination='occlusion' has light from all around"),
         (
             {"curvature": "view", "enhance": "all"},

@@ -186,7 +186,12 @@ LIGHT_WARPING = LiveMethod(
     key=_frames_key,
     uniforms=_warping_uniforms,
     defines=lambda options: {"CURVED": 1, "WARPED": 1} | material_defines(live_material(options)),
-    only={"quadrature": ("lights",), "illumination": ("lights",), "importance": (None,)},
+    only={
+        "quadrature": ("lights",),
+        "illumination": ("lights",),
+        "importance": (None,),
+        **UNHIDDEN,
+    },
     several=True,
 )
 

@@ -12,7 +12,7 @@ from meshdepict.scene.view import View
 from meshdepict.shading import light_alignment
 from meshdepict.shading.light_alignment import per_scale, strengths_between
 from meshdepict.shading.method import declaration, require_smoothing
-from meshdepict.viewer.live.live_method import Attributes, LiveMethod, Options, packed
+from meshdepict.viewer.live.live_method import UNHIDDEN, Attributes, LiveMethod, Options, packed
 from meshdepict.viewer.live.materials import (
     GLSL,
     live_material,
@@ -116,7 +116,7 @@ LIGHT_ALIGNMENT = LiveMethod(
     bits=_BITS,
     uniforms=_uniforms,
     defines=lambda options: material_defines(live_material(options)),
-    only={"transmitted": (0.0,), "background": (0.0,)},
+    only={"transmitted": (0.0,), "background": (0.0,), **UNHIDDEN},
     most={"sharpness": 6.0},
     several=True,
 )

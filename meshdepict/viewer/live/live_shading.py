@@ -85,11 +85,11 @@ class LiveShading(LiveLook):
     def _made(self, space: ScaleSpace) -> vtkActor:
         shape = space.shape if isinstance(space, ScaleSpace) else None
         known = isinstance(shape, (Mesh, HeightField))
-        if not known or len(space.points) != len(space.surface.vertices):
+        if not known or len(space.points) != len(space.own_surface.vertices):
             raise MeshdepictError(
                 "live shading needs the scale space of a mesh's vertices; bake other shapes instead"
             )
-        actor, self._mapper, self._poly = _actor(shape, space.surface)
+        actor, self._mapper, self._poly = _actor(shape, space.own_surface)
         return actor
 
     def set_colormap(self, colormap: str | None) -> None:
