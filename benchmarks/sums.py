@@ -1,4 +1,4 @@
-"""Both ways of Gaussian sums, taken apart as their cost model takes them; one core.
+"""All ways of Gaussian sums, taken apart as their cost model takes them; one core.
 
 `scripts/cost_constants.py` makes the model's constants of these.
 """
@@ -12,6 +12,7 @@ import numpy as np
 import meshdepict as md
 from meshdepict import threads
 from meshdepict.sums import direct_sums as direct
+from meshdepict.sums import grid_sums as blocks
 from meshdepict.sums import spectral_sums as spectral
 
 ERROR = 1e-4  # about what the default tolerance asks of sums
@@ -86,3 +87,25 @@ class Grid(Points):
 
     def time_summing(self, kind: str, cells: int) -> None:
         super().time_summing(kind)
+
+
+class Blocks(_OneCore):
+    """A surface on a sparse grid, where blurs cost much and little; spread anew or not."""
+
+    params = ((4, 9), (3, 24), ("anew", "kept"))
+    param_names = ("channels", "edges", "spread")
+    vertices = 72_000
+
+    def setup(self, channels: int, edges: int, spread: str) -> None:
+        threads.limit(1)
+        ball = md.samples.golf_ball(self.vertices)
+        rule = blocks.rule_for(1e-5)
+        assert rule is not None
+        self.rule, self.width = rule, edges * ball.edge_length
+        self.grid = blocks.PointGrid(ball.vertices, np.ones((channels, len(ball.vertices))))
+        self.grid.sums(self.width, self.rule)
+
+    def time_summing(self, channels: int, edges: int, spread: str) -> None:
+        if spread == "anew":
+            self.grid.forget()
+        self.grid.sums(self.width, self.rule)

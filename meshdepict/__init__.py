@@ -16,10 +16,12 @@ if TYPE_CHECKING:
 
     from meshdepict import congruence, curvature, shading
     from meshdepict.baking.baked import Baked
+    from meshdepict.baking.baked_texture import BakedTexture
     from meshdepict.baking.look import bake, bake_together, bake_volume
     from meshdepict.baking.method_list import methods
     from meshdepict.baking.plates import plate
     from meshdepict.baking.recipe import load_recipe, save_recipe
+    from meshdepict.baking.textures import bake_texture
     from meshdepict.color.transfer_function import TransferFunction
     from meshdepict.congruence.comparison import compare
     from meshdepict.errors import MeshdepictError, MeshdepictWarning
@@ -41,6 +43,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "Baked",
+    "BakedTexture",
     "Environment",
     "GBuffer",
     "HeightField",
@@ -54,6 +57,7 @@ __all__ = [
     "View",
     "Volume",
     "bake",
+    "bake_texture",
     "bake_together",
     "bake_volume",
     "compare",
@@ -77,6 +81,7 @@ __all__ = [
 
 _HOME = {
     "Baked": "baking.baked",
+    "BakedTexture": "baking.baked_texture",
     "Environment": "scene.environment",
     "GBuffer": "shapes.gbuffer",
     "HeightField": "shapes.height_field",
@@ -90,6 +95,7 @@ _HOME = {
     "View": "scene.view",
     "Volume": "shapes.volume",
     "bake": "baking.look",
+    "bake_texture": "baking.textures",
     "bake_together": "baking.look",
     "bake_volume": "baking.look",
     "compare": "congruence.comparison",

@@ -35,6 +35,7 @@ _COMMANDS = {
     "compare": "[INPUT] [OPTIONS]",
     "volume": "[CT] [OPTIONS]",
     "relief": "DEM... [OPTIONS]",
+    "texture": "MESH [OPTIONS]",
     "plate": "[FILE...] [OPTIONS]",
     "movie": "[INPUT] [OPTIONS]",
     "info": "INPUT...",

@@ -8,6 +8,7 @@ fork and on every platform, and Ctrl-C is answered between two pieces of work.
 from __future__ import annotations
 
 import os
+import threading
 from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import FIRST_COMPLETED, ThreadPoolExecutor, wait
 from itertools import pairwise
@@ -29,6 +30,7 @@ _FLAGS: dict[Rounding, set[str] | bool] = {
 }
 
 _limit: int | None = None
+_within = threading.local()  # of a thread that `each` has begun: whether the others are busy, too
 
 
 def limit(count: int | None) -> None:
@@ -56,15 +58,17 @@ def each(
 ) -> None:
     """Call ``work(*piece)`` for every piece, in parallel; ``done(i)`` after piece i.
 
-    At an error or Ctrl-C pieces not yet begun are dropped, and the error goes on.
+    At an error or Ctrl-C pieces not yet begun are dropped, and the error goes on. Within a piece
+    of work that keeps all threads busy with others, pieces are done one after the other.
     """
-    if len(pieces) == 1 or thread_count() == 1:
+    if len(pieces) == 1 or thread_count() == 1 or getattr(_within, "busy", False):
         for i, piece in enumerate(pieces):
             work(*piece)
             if done:
                 done(i)
         return
-    with ThreadPoolExecutor(thread_count()) as pool:
+    busy = len(pieces) >= thread_count()
+    with ThreadPoolExecutor(thread_count(), initializer=_mark, initargs=(busy,)) as pool:
         running = {pool.submit(work, *piece): i for i, piece in enumerate(pieces)}
         pending: Iterable[Any] = set(running)
         try:
@@ -77,6 +81,10 @@ def each(
         except BaseException:
             pool.shutdown(wait=False, cancel_futures=True)
             raise
+
+
+def _mark(busy: bool) -> None:  # noqa: FBT001
+    _within.busy = busy
 
 
 def kernel(

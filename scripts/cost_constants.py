@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import argparse
 import functools
+import itertools
 from collections.abc import Iterator
 
 import numpy as np
@@ -20,12 +21,13 @@ from tables import ROOT
 
 from benchmarks import subjects
 from benchmarks.processes import Command
-from benchmarks.sums import CELLS, ERROR, Direct, Grid, Points
+from benchmarks.sums import CELLS, ERROR, Blocks, Direct, Grid, Points
 from benchmarks.timing import Cost, cost, costs
 from meshdepict.sums import spectral_sums as spectral
 
-GAUSSIAN, SPECTRAL, REPORT = (
-    f"meshdepict.{name}" for name in ("sums.gaussian", "sums.spectral_sums", "commands.report")
+GAUSSIAN, GRID, SPECTRAL, REPORT = (
+    f"meshdepict.{name}"
+    for name in ("sums.gaussian", "sums.grid_sums", "sums.spectral_sums", "commands.report")
 )
 BAKES = (40_000, 160_000)  # vertices
 
@@ -60,6 +62,21 @@ def pairs(xyz: np.ndarray, radius: float) -> float:
     few, every = xyz[:, :: max(1, xyz.shape[1] // 64)], xyz.shape[1]
     squared = ((few[:, :, None] - xyz[:, None, :]) ** 2).sum(axis=0)
     return float(np.mean(squared <= (1.2 * radius) ** 2)) * every**2
+
+
+def sparse_grids(runs: int) -> Iterator[Constant]:
+    """Yield a point; a channel of a node, spread and gathered; a tap and channel of a blur."""
+    rows, seconds = [], []
+    for channels, edges, way in itertools.product(*Blocks.params):
+        benchmark = Blocks()
+        seconds.append(least(benchmark, channels, edges, way, runs=runs))
+        parts = benchmark.grid.parts(benchmark.width, benchmark.rule)
+        anew = float(way == "anew")
+        rows.append([anew * parts[0], anew * parts[1], *parts[1:]])
+    scale = 1 / np.array(seconds)
+    found, *_ = np.linalg.lstsq(np.array(rows) * scale[:, None], np.ones(len(rows)), rcond=None)
+    for name, value in zip(("_POINT", "_SPREAD", "_GATHER", "_TAP"), found, strict=True):
+        yield GRID, f"{name}_SECONDS", value
 
 
 def transforms(runs: int) -> Iterator[Constant]:
@@ -114,7 +131,7 @@ def main() -> None:
     parser.add_argument("--runs", type=int, default=5)
     given = parser.parse_args()
     before = ""
-    for part in (neighbours, transforms, *[bakes] * given.bakes):
+    for part in (neighbours, sparse_grids, transforms, *[bakes] * given.bakes):
         for module, name, value in part(given.runs):
             if module != before:
                 print(f"# {module.replace('.', '/')}.py, by {__file__.removeprefix(f'{ROOT}/')}")

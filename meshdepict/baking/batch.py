@@ -79,6 +79,8 @@ class Batch:
         Whether turned faces are written.
     triangles : bool
         Whether polygons and strips are written as triangles.
+    quantize : bool
+        Whether .glb and .gltf hold positions in 16 bits.
     force : bool
         Whether to replace files that this program didn't write.
     quiet : bool
@@ -92,6 +94,7 @@ class Batch:
     winding: str = "auto"
     fix_winding: bool = False
     triangles: bool = False
+    quantize: bool = False
     force: bool = False
     quiet: bool = False
 
@@ -167,6 +170,10 @@ class Batch:
         name = f"{stem(source)}-{self.look.title}"
         output = target_of(self.output or ".", f"{name}.ply", "-o")
         _check_format(output)
+        if self.quantize and suffix_of(output) not in (".glb", ".gltf"):
+            raise MeshdepictError(
+                f"{output}: --quantize is about .glb and .gltf: leave it out, or save as one"
+            )
         picture, first = None, source is None and self.picture is None
         if first:
             picture = output.with_name(f"{stem(output)}.png")
@@ -212,7 +219,7 @@ class Batch:
                 self._check_fit(shape, look)
             look = measured(look, self._seen(shape, look), self.figure if job.picture else None)
             baked = bake_on_ground(shape, look, progress=progress)
-            baked.save(job.output)
+            baked.save(job.output, quantize=self.quantize)
             if job.first:
                 job = self._show_first(baked, job, look)
             elif job.picture:

@@ -102,7 +102,8 @@ class ChoiceList:
     normals : {"computed", "file"}
         "file" takes the normals that the file holds; vertices that have several are parted.
     albedo : {"none", "keep"}
-        "keep" multiplies the shape's own vertex colours, in linear light.
+        "keep" multiplies the shape's own vertex colours, or its texture's at the vertices (along
+        seams their mean), in linear light.
     refine : float, optional
         Split the triangles inside which interpolated colours are off by more than so many of 255
         grey levels, until they are not (five times at most); see `Baked.edge_error`. New vertices
@@ -213,7 +214,10 @@ class ChoiceList:
         "computed", "file: take the file's own normals.", group="Detail", only=_FACES
     )
     albedo: Literal["keep", "none"] = _choice(
-        "none", "keep: multiply the file's own colours.", group="Files", only=_SURFACES
+        "none",
+        "keep: multiply the file's own colours, or its texture's.",
+        group="Files",
+        only=_SURFACES,
     )
     ground: Literal["matt", "mirror"] | None = _choice(
         None,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +14,9 @@ from meshdepict.shapes.parted import PartedMesh
 from meshdepict.surface.piecewise_normals import PiecewiseNormals, piecewise_normals
 from meshdepict.surface.splitting import edge_pairs, midpoints, split_faces
 from meshdepict.surface.welding import same_position
+
+if TYPE_CHECKING:
+    from meshdepict.shapes.textures import Textures
 
 __all__ = ["FinerMesh", "Places"]
 
@@ -237,7 +240,19 @@ class FinerMesh:
             },
             winding="keep",
             length_unit=mesh.length_unit,
+            textures=self._textures,
         )
+
+    def _textures(self) -> Textures | None:
+        """Return the textures of the parts that triangles have become."""
+        if self._mesh.textures is None:
+            return None
+        of = self._mesh.faces[self._owner]
+        places = self.vertices.corners[self.faces]  # (k, 3, 3): of each corner, between which
+        same = places[..., None] == of[:, None, None, :]
+        shares = np.einsum("kcpo,kcp->kco", same, self.vertices.weights[self.faces])
+        total = shares.sum(axis=2, keepdims=True)  # more than 1 where a triangle has a vertex twice
+        return self._mesh.textures.parts(self._owner, shares / np.where(total > 0, total, 1))
 
 
 def _pieces(mesh: Mesh) -> PiecewiseNormals | None:

@@ -10,14 +10,13 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from meshdepict import color
 from meshdepict.baking.choice_list import HEIGHTS
 from meshdepict.baking.choices import Choices
 from meshdepict.baking.layers import Layered
 from meshdepict.baking.provenance import describe
-from meshdepict.baking.tinting import spanned_tint, tinted
+from meshdepict.baking.sample_shading import SampleShading
+from meshdepict.baking.tinting import spanned_tint
 from meshdepict.baking.windows import Cut, Window, cut_for
-from meshdepict.color import colormaps2d
 from meshdepict.errors import MeshdepictError
 from meshdepict.files.limits import max_memory
 from meshdepict.heights.spread_cells import is_large, typical_cells, typical_places
@@ -26,7 +25,6 @@ from meshdepict.scales.gathered import GatheredSamples
 from meshdepict.scales.height_scales import HeightSpace, height_space
 from meshdepict.scales.ladder import Progress, check_ladder, ladder
 from meshdepict.scales.reads import Reads
-from meshdepict.scene.names import Lighting, as_light
 from meshdepict.shapes.height_field import HeightField, window_of
 from meshdepict.shapes.lengths import resolve_width
 from meshdepict.shapes.raster_extent import RasterExtent
@@ -233,25 +231,10 @@ class Relief:
 
     def _painted(self, space: HeightSpace) -> tuple[NDArray[np.float32], NDArray[np.uint8]]:
         """Return what the method makes of some samples, and their colours."""
-        look, linear = self.look, self.linear
-        if self._layered is not None:
-            intensity = self._layered.values(dict.fromkeys(self._layered.ladders, space), self.eye)
-        elif look.colormap2d is None:
-            intensity = self._shade(self._light, space)
-        else:
-            shade = functools.partial(self._shade, space=space)
-            intensity = colormaps2d.both_lights(
-                shade, as_light(self._light), self.eye, look.colormap2d, linear=linear
-            )
-            linear = False
-        colors = color.encode(intensity, linear=linear, colormap=look.colormap)
-        if look.tint is not None:
-            _, tint = tinted(look, space.points[:, 2] / look.z_factor)
-            colors = color.multiply_albedo(colors / np.float32(255), tint, linear=False)
-        return intensity, colors
-
-    def _shade(self, light: Lighting, space: HeightSpace) -> NDArray[np.float32]:
-        return self.look.shade(space, light, self.eye)
+        shading = SampleShading(self.look, self._light, self.eye, self._layered)
+        intensity = shading.values(dict.fromkeys(shading.ladders, space))
+        heights = space.points[:, 2] / self.look.z_factor
+        return intensity, shading.colors(intensity, lambda: heights)
 
     # --- all of it --------------------------------------------------------------------------
 

@@ -293,20 +293,39 @@ def surface_tints(
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # about colours of faces: said where they are shown
             mesh = shape.mesh
-            found = None if mesh is None else vertex_colors(mesh, baked=was_baked(mesh))
+            try:
+                found = None if mesh is None else _mesh_colors(mesh)
+            except MeshdepictError:
+                found = None
     if found is None:
         return None
     return np.asarray(color.srgb_to_linear(found / np.float32(255)), np.float32)
 
 
 def _mesh_colors(mesh: Mesh) -> NDArray[np.uint8]:
-    """Return the mesh's own vertex colours; those a former bake set aside come first."""
+    """Return the mesh's own colours at its vertices: theirs, else its textures', else its faces'.
+
+    Those that a former bake set aside come first. In glTF a texture is multiplied by the vertices'.
+    """
+    from meshdepict.shapes.texture_colors import texture_colors
+
     baked = was_baked(mesh)
-    found = vertex_colors(mesh, baked=baked)
+    found = vertex_colors(mesh, baked=baked, faces=False)
+    tinted = found is not None and mesh.textures is not None and mesh.textures.tinted
+    if found is None or tinted:
+        try:
+            painted = texture_colors(mesh)
+        except MeshdepictError as error:
+            raise MeshdepictError(f"albedo='keep' needs what can't be had: {error}") from error
+        if painted is not None and found is not None:
+            return color.multiply_albedo(painted / np.float32(255), found, linear=False)
+        found = painted if found is None else found
+    if found is None:
+        found = vertex_colors(mesh, baked=baked)
     if found is None:
         raise MeshdepictError(
-            "albedo='keep' needs the object's own vertex colours (red, green, blue); the mesh has "
-            + ("only those of a former bake" if baked else "none")
+            "albedo='keep' needs the object's own vertex colours (red, green, blue) or a texture; "
+            "the mesh has " + ("only those of a former bake" if baked else "none")
         )
     return found
 

@@ -23,6 +23,7 @@ def bake(
     winding: Annotated[Literal["auto", "keep"], Parameter(group=FILES)] = "auto",
     fix_winding: Annotated[bool, Parameter(group=FILES, show_default=False)] = False,
     triangles: Annotated[bool, Parameter(group=FILES, show_default=False)] = False,
+    quantize: Annotated[bool, Parameter(group=FILES, show_default=False)] = False,
     together: Annotated[bool, Parameter(group=FILES, show_default=False)] = False,
     force: Annotated[bool, Parameter(group=FILES, show_default=False)] = False,
     recipe: Annotated[str | None, Parameter(group=FILES)] = None,
@@ -50,6 +51,8 @@ def bake(
         Write the turned faces, too, with vertex and face properties but nothing else of the file.
     triangles
         Write polygons and triangle strips as the triangles that are shaded.
+    quantize
+        Write positions of .glb and .gltf in 16 bits (KHR_mesh_quantization), for the web.
     together
         All meshes are one scene, each where its file has it: they hide light from each other and
         send it on. The picture shows all of them.
@@ -81,7 +84,7 @@ def bake(
     kind = TogetherBatch if together else Batch
     batch = kind(
         inputs=inputs, look=wanted, output=output, picture=picture, figure=pictures,
-        winding=winding, fix_winding=fix_winding, triangles=triangles, force=force,
-        quiet=everywhere.quiet,
+        winding=winding, fix_winding=fix_winding, triangles=triangles, quantize=quantize,
+        force=force, quiet=everywhere.quiet,
     )  # fmt: skip
     return FAULT if batch.run() else 0

@@ -17,10 +17,10 @@ from numpy.typing import NDArray
 from meshdepict.files.limits import check_claim
 from meshdepict.files.reach import regular
 
-__all__ = ["is_picture", "mapped_array", "opened_picture"]
+__all__ = ["ODD", "is_picture", "mapped_array", "opened_picture"]
 
 # What the readers of pictures and of arrays raise where a file isn't what they think it is.
-_ODD = (
+ODD = (
     ArithmeticError, AttributeError, EOFError, LookupError, MemoryError, NotImplementedError,
     RecursionError, SyntaxError, TypeError, struct.error, tokenize.TokenError,
 )  # fmt: skip
@@ -54,7 +54,7 @@ def opened_picture(path: str | os.PathLike[str]) -> Iterator[Any]:
                 width, height = image.size
                 check_claim(_DEEP * width * height, os.path.getsize(path), "pixels")
                 yield image
-        except (*_ODD, Image.DecompressionBombError) as error:
+        except (*ODD, Image.DecompressionBombError) as error:
             raise ValueError(str(error) or type(error).__name__) from error
 
 
@@ -73,7 +73,7 @@ def mapped_array(path: str | os.PathLike[str]) -> NDArray[Any]:
         warnings.simplefilter("ignore")  # NumPy's, of files from Python 2
         try:
             found = np.load(Path(path), mmap_mode="r", allow_pickle=False)
-        except _ODD as error:
+        except ODD as error:
             raise ValueError("its header can't be read") from error
     if not isinstance(found, np.ndarray):
         found.close()

@@ -9,20 +9,22 @@ import gzip
 import importlib
 import os
 import struct
+import warnings
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from meshdepict.errors import MeshdepictError
+from meshdepict.errors import MeshdepictError, MeshdepictWarning
 from meshdepict.files.any_numbers import any_numbers, quiet
 from meshdepict.files.atomic import atomic_write
+from meshdepict.files.companions import Companions
 from meshdepict.files.mark import MARK
 from meshdepict.files.reach import regular
 from meshdepict.io.source import FORMATS, WRITABLE, format_of, opened, suffix_of, unmarked
 from meshdepict.io.tiff_pages import TIFF_MARKS
-from meshdepict.shapes.document import Contents, Saving
+from meshdepict.shapes.document import Contents, Document, Saving
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -115,10 +117,12 @@ def write_mesh(
     colors: ArrayLike | None = None,
     comments: Iterable[str] = (),
     keep_colors: bool = True,
+    quantize: bool = False,
 ) -> None:
     """Write a mesh, wholly or not at all, in the format that the suffix names.
 
-    A mesh that was read from the same format keeps all that its file held.
+    A mesh that was read from the same format keeps all that its file held; in another folder,
+    materials and pictures that it names are copied beside it.
 
     Parameters
     ----------
@@ -131,6 +135,8 @@ def write_mesh(
         Lines of provenance, each beginning with ``"meshdepict "``; they replace earlier ones.
     keep_colors : bool
         Whether PLY and VTP keep the colours that new ones replace as ``original_red``, …
+    quantize : bool
+        Whether .glb and .gltf hold positions in 16 bits, where they are written anew.
 
     Raises
     ------
@@ -146,8 +152,15 @@ def write_mesh(
             f"{path}: meshes are not saved as {suffix or 'a file without suffix'}; "
             f"use one of {', '.join(WRITABLE)} (also with .gz)"
         )
-    saving = Saving(_checked_colors(colors, mesh), _checked_comments(comments), keep_colors, suffix)
+    if quantize and suffix not in (".glb", ".gltf"):
+        raise MeshdepictError(f"{path}: quantised positions are for .glb and .gltf alone")
+    companions = Companions(path)
+    saving = Saving(
+        _checked_colors(colors, mesh), _checked_comments(comments), keep_colors, suffix,
+        companions, quantize,
+    )  # fmt: skip
     module = _module(FORMATS[suffix])
+    _tell_of_extras(path, mesh, saving)
     with atomic_write(path) as file, any_numbers():
         if Path(path).suffix.lower() == ".gz":
             # Without name and time the same mesh gives the same bytes.
@@ -155,6 +168,7 @@ def write_mesh(
                 module.encode(cast("BinaryIO", packed), mesh, saving)
         else:
             module.encode(file, mesh, saving)
+        companions.write()
 
 
 def read_provenance(path: str | os.PathLike[str]) -> list[str] | None:
@@ -208,6 +222,28 @@ def _decoded(data: bytes, path: str | os.PathLike[str]) -> Contents:
 
 def _module(name: str) -> Any:
     return importlib.import_module(f"meshdepict.io.{name}")
+
+
+def _tell_of_extras(path: str | os.PathLike[str], mesh: Mesh, saving: Saving) -> None:
+    """Warn of what is lost in another format, and of textures that hide new colours."""
+    document = mesh.document
+    if not isinstance(document, Document):
+        return
+    if saving.suffix in document.formats:
+        if saving.colors is not None and document.is_textured:
+            where = "in a scene of its own" if ".glb" in document.formats else "beside them"
+            warnings.warn(
+                f"{path}: the new colours are at vertices; its textures are kept {where}",
+                MeshdepictWarning,
+                stacklevel=3,
+            )
+    elif document.extras:
+        warnings.warn(
+            f"{path}: {', '.join(document.extras)} are not kept: save as {document.formats[0]} to "
+            "keep them",
+            MeshdepictWarning,
+            stacklevel=3,
+        )
 
 
 def _checked_colors(colors: ArrayLike | None, mesh: Mesh) -> NDArray[np.uint8] | None:

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import base64
+import copy
 import json
-import struct
 import warnings
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO
@@ -13,21 +12,27 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshdepict.errors import MeshdepictError, MeshdepictWarning
-from meshdepict.io.gltf_buffers import COMPONENTS
+from meshdepict.io.gltf_buffers import Buffers
+from meshdepict.io.gltf_depiction import Additions, Laid, depict, undepicted
+from meshdepict.io.gltf_document import GltfDocument, joined_faces, joined_points, wrong_as_gltf
+from meshdepict.io.gltf_materials import image_faults, is_textured
+from meshdepict.io.gltf_package import BIN, JSON, embed_pictures, write_glb, write_gltf
 from meshdepict.io.gltf_scene import Part, Scene
-from meshdepict.io.ply_properties import exact_float
+from meshdepict.io.texture_files import texture_notes
 from meshdepict.shapes.document import COLOR, Contents, Document, Saving, as_bytes, only_colors
+from meshdepict.surface.polygons import as_polygons
 
 if TYPE_CHECKING:
     from meshdepict.shapes.mesh import Mesh
 
 __all__ = ["decode", "encode", "provenance"]
 
-_JSON, _BIN = b"JSON", b"BIN\0"
-_COMPONENT_TYPES = {kind: number for number, kind in COMPONENTS.items()}
-_ARRAY_BUFFER, _ELEMENT_BUFFER = 34962, 34963
 _ABSURD = 100  # times the bytes that are there: no download stops so early
-_UNLIT = "KHR_materials_unlit"
+_GENERATOR = "meshdepict"
+_TITLE = "depiction"
+
+
+_SINGLE = 1e-6  # relative, of positions that were written in single precision
 
 
 def provenance(file: BinaryIO) -> tuple[str, ...]:
@@ -59,23 +64,69 @@ def decode(data: bytes, path: Path) -> Contents:
         For a file that is cut off, wrong, or in need of an extension that isn't known.
     """
     header, chunk = _unpacked(data)
+    folder, size = path.parent, len(data)
+    bare = undepicted(header, chunk)
+    own = Buffers(header, chunk, folder, size)
+    with wrong_as_gltf():
+        scene = Scene(header, own)
+        parts, faults = scene.parts(), image_faults(header, own)
+    contents = _joined(parts)
+    lines = _lines(header)
+    document: Document = Document(provenance=lines, up="y")
+    if bare is not None:
+        document = GltfDocument(
+            provenance=lines, up="y", header=bare[0],
+            depicted=set(COLOR) <= set(contents.attributes["vertex"]),
+            buffers=Buffers(*bare, folder, size),
+        )  # fmt: skip
+        held = _with_former(contents, document) or _without_texture(contents, document)
+        contents = held or contents
+    elif (  # not all of it is ours, or it has a texture that textures tell of
+        not lines or header["asset"].get("generator") != _GENERATOR or is_textured(header)
+    ):
+        document = GltfDocument(provenance=lines, up="y", header=header, buffers=own)
+    said = texture_notes(faults)
+    if len(parts) > 1:
+        said = [*said, f"its {len(parts)} parts become one mesh"]
+    if said:
+        joint = " " if faults and texture_notes(faults) else ": "
+        warnings.warn(f"{path}{joint}{'; '.join(said)}", MeshdepictWarning, stacklevel=2)
+    return contents._replace(document=document)
+
+
+def _with_former(depicted: Contents, document: GltfDocument) -> Contents | None:
+    """Return what a file held before it was depicted, with the depiction as its colours.
+
+    None where the two don't have the same triangles: another program has been at work.
+    """
     try:
-        scene = Scene(header, chunk, path.parent, len(data))
-        parts, lost = scene.parts(), scene.losses()
+        former = _joined(document.parts())
     except MeshdepictError:
-        raise
-    except (LookupError, ValueError) as error:
-        said = " ".join(f"{type(error).__name__}: {error}".split())
-        raise MeshdepictError(f"is wrong as glTF ({said:.200})") from error
-    except (ArithmeticError, AttributeError, TypeError) as error:
-        raise MeshdepictError(
-            "is wrong as glTF: its JSON part holds a value of the wrong kind"
-        ) from error
-    joined = [f"its {len(parts)} parts become one mesh"] if len(parts) > 1 else []
-    if joined or lost:
-        said = ", ".join(joined + [f"its {what} are not kept" for what in lost])
-        warnings.warn(f"{path}: {said}", MeshdepictWarning, stacklevel=2)
-    return _joined(parts, Document(provenance=_lines(header), up="y"))
+        return None
+    own, colors = former.attributes["vertex"], depicted.attributes["vertex"]
+    same = np.array_equal(np.asarray(former.faces), np.asarray(depicted.faces))
+    if not same or len(former.vertices) != len(depicted.vertices) or not set(COLOR) <= set(colors):
+        return None
+    renamed = {(f"original_{name}" if name in COLOR else name): own[name] for name in own}
+    renamed |= {name: colors[name] for name in COLOR}
+    return former._replace(attributes={"vertex": renamed})
+
+
+def _without_texture(depicted: Contents, document: GltfDocument) -> Contents | None:
+    """Return what a file held before a depiction in a texture was put beside it, None if it wasn't.
+
+    A texture has vertices of its own, and the same triangles.
+    """
+    try:
+        former = _joined(document.parts())
+    except MeshdepictError:
+        return None
+    (points, faces, *_), (others, theirs, *_) = depicted, former
+    faces, theirs = np.asarray(faces), np.asarray(theirs)
+    if set(COLOR) & set(depicted.attributes["vertex"]) or faces.shape != theirs.shape:
+        return None
+    near = np.abs(others).max(initial=0.0) * _SINGLE
+    return former if np.abs(points[faces] - others[theirs]).max(initial=0.0) <= near else None
 
 
 def _unpacked(data: bytes) -> tuple[dict[str, Any], bytes]:
@@ -101,7 +152,7 @@ def _unpacked(data: bytes) -> tuple[dict[str, Any], bytes]:
             raise MeshdepictError("is wrong as GLB: a part of it claims to reach beyond its end")
         chunks.setdefault(data[at + 4 : at + 8], data[at + 8 : at + 8 + size])
         at += 8 + size
-    return _parsed(chunks.get(_JSON, b"")), chunks.get(_BIN, b"")
+    return _parsed(chunks.get(JSON, b"")), chunks.get(BIN, b"")
 
 
 def _parsed(text: bytes) -> dict[str, Any]:
@@ -116,16 +167,10 @@ def _parsed(text: bytes) -> dict[str, Any]:
     return header
 
 
-def _joined(parts: list[Part], document: Document) -> Contents:
+def _joined(parts: list[Part]) -> Contents:
     from meshdepict.color.srgb import linear_to_srgb
 
-    counts = [len(part.points) for part in parts]
-    before = np.cumsum([0, *counts])
-    points = np.concatenate([np.empty((0, 3)), *(part.points for part in parts)])
-    faces = np.concatenate(
-        [np.empty((0, 3), np.int64)]
-        + [part.faces + first for part, first in zip(parts, before, strict=False)]
-    )
+    points, faces = joined_points(parts), joined_faces(parts)
     used = points[faces.reshape(-1)]
     if len(used) and (used == used[0]).all():
         raise MeshdepictError(
@@ -147,77 +192,94 @@ def _joined(parts: list[Part], document: Document) -> Contents:
     if parts and all(part.normal is not None for part in parts):
         normal = np.concatenate([part.normal for part in parts if part.normal is not None])
         vertex |= dict(zip(("nx", "ny", "nz"), normal.T, strict=True))
-    return Contents(points, faces, {"vertex": vertex}, document, "m")
+    return Contents(points, faces, {"vertex": vertex}, Document(up="y"), "m")
 
 
 # --- writing ----------------------------------------------------------------------------------
 
 
-def encode(file: BinaryIO, mesh: Mesh, saving: Saving) -> None:
-    """Write one mesh of triangles with an unlit material, so that viewers show baked colours.
+def encode(
+    file: BinaryIO, mesh: Mesh, saving: Saving, *, laid: tuple[Part, Laid] | None = None
+) -> None:
+    """Write a mesh as a scene of triangles in unlit colours, which viewers show as they are.
 
-    Positions are 32-bit floats, as the standard wants: relative to the node's translation where
-    they would lose digits otherwise.
+    Beside the scenes of the glTF file that it was read from, which stay as they were (see
+    `gltf_depiction`), or alone.
+
+    Parameters
+    ----------
+    file, mesh, saving
+        As for every format.
+    laid : (Part, Laid), optional
+        The mesh's triangles with a texture, in place of colours.
     """
-    header, chunk = _built(mesh, saving)
+    former = _former(mesh)
+    fresh: dict[int, bytes] = {}
+    if former is None:
+        header: dict[str, Any] = {"asset": {"version": "2.0", "generator": _GENERATOR}}
+        buffers, parts = None, [Part(mesh.vertices, mesh.faces, None, None)]
+        lines: tuple[str, ...] = ()
+    else:
+        header, buffers = copy.deepcopy(former.header), former.buffers
+        parts, lines = former.parts(), former.provenance
+        if saving.suffix == ".glb":
+            embed_pictures(header, fresh, buffers)
+    if former is None or saving.colors is not None or former.depicted or laid is not None:
+        additions = Additions(header)
+        colors = _linear(mesh, saving, former) if laid is None else None
+        title = "" if former is None else _TITLE
+        texture = None
+        if laid is not None:
+            parts, texture = [laid[0]], laid[1]
+        depict(additions, parts, colors, quantize=saving.quantize, title=title, texture=texture)
+        fresh[additions.buffer] = b"".join(additions.parts)
+    _sign(
+        header["asset"], saving.comments if saving.colors is not None else saving.comments or lines
+    )
     if saving.suffix == ".gltf":
-        inline = base64.b64encode(chunk).decode()
-        header["buffers"][0]["uri"] = f"data:application/octet-stream;base64,{inline}"
-        file.write(json.dumps(header).encode())
-        return
-    text = json.dumps(header, separators=(",", ":")).encode()
-    text += b" " * (-len(text) % 4)
-    file.write(b"glTF" + struct.pack("<II", 2, 12 + 8 + len(text) + 8 + len(chunk)))
-    file.write(struct.pack("<I", len(text)) + _JSON + text)
-    file.write(struct.pack("<I", len(chunk)) + _BIN + chunk)
+        write_gltf(file, header, fresh, buffers, saving.companions)
+    else:
+        write_glb(file, header, fresh, buffers)
 
 
-def _built(mesh: Mesh, saving: Saving) -> tuple[dict[str, Any], bytes]:
-    """Return the JSON and the binary part of a file."""
+def _former(mesh: Mesh) -> GltfDocument | None:
+    """Return the document of the glTF file that a mesh was read from, if it is still that mesh."""
+    document = mesh.document
+    if not isinstance(document, GltfDocument):
+        return None
+    polygons = mesh.polygons or as_polygons(mesh.faces)
+    return document if document.describes(mesh.vertices, polygons) else None
+
+
+def _linear(mesh: Mesh, saving: Saving, former: GltfDocument | None) -> NDArray[np.uint16] | None:
+    """Return the depiction's colours (n, 4) as the standard wants them, None without any."""
     from meshdepict.color.srgb import srgb_to_linear
 
-    node: dict[str, Any] = {"mesh": 0}
-    points = mesh.vertices
-    if exact_float(points) != "f4":
-        centre = points.min(axis=0) / 2 + points.max(axis=0) / 2
-        node["translation"] = centre.tolist()
-        points = points - centre
-    single = points.astype("<f4")
-    box = {"min": single.min(axis=0).tolist(), "max": single.max(axis=0).tolist()}
-    arrays = [
-        (single, "VEC3", _ARRAY_BUFFER, box),
-        (mesh.faces.astype("<u4").reshape(-1, 1), "SCALAR", _ELEMENT_BUFFER, {}),
-    ]
-    attributes = {"POSITION": 0}
-    colors = only_colors(mesh.attributes["vertex"], mesh.document, saving, "glTF")
-    if colors is not None:
-        linear = np.full((len(colors), 4), 65535, "<u2")  # four, so that rows start at words
-        linear[:, :3] = np.rint(65535 * srgb_to_linear(colors / 255))
-        if "alpha" in mesh.attributes["vertex"]:  # kept, though the material is opaque
-            linear[:, 3] = 257 * as_bytes(mesh.attributes["vertex"]["alpha"]).astype("<u2")
-        attributes["COLOR_0"] = len(arrays)
-        arrays.append((linear, "VEC4", _ARRAY_BUFFER, {"normalized": True}))
-    accessors, views, at = [], [], 0
-    for number, (array, kind, target, more) in enumerate(arrays):
-        component = _COMPONENT_TYPES[array.dtype.str[1:]]
-        described = {"bufferView": number, "componentType": component, "type": kind}
-        accessors.append(described | {"count": len(array)} | more)
-        view = {"buffer": 0, "byteOffset": at, "byteLength": array.nbytes, "target": target}
-        views.append(view)
-        at += array.nbytes
-    asset: dict[str, Any] = {"version": "2.0", "generator": "meshdepict"}
-    if saving.comments:
-        asset["extras"] = {"meshdepict": list(saving.comments)}
-    header = {
-        "asset": asset,
-        "extensionsUsed": [_UNLIT],
-        "scene": 0,
-        "scenes": [{"nodes": [0]}],
-        "nodes": [node],
-        "meshes": [{"primitives": [{"attributes": attributes, "indices": 1, "material": 0}]}],
-        "materials": [{"extensions": {_UNLIT: {}}, "doubleSided": True}],
-        "accessors": accessors,
-        "bufferViews": views,
-        "buffers": [{"byteLength": at}],
-    }
-    return header, b"".join(array.tobytes() for array, *_ in arrays)
+    vertex = mesh.attributes["vertex"]
+    if former is None or saving.colors is None:
+        colors = only_colors(vertex, mesh.document, saving, "glTF")
+    else:  # the file's own stay in its own scene
+        colors = saving.colors
+    if colors is None:
+        return None
+    linear = np.full((len(colors), 4), 65535, "<u2")  # four, so that rows start at words
+    linear[:, :3] = np.rint(65535 * srgb_to_linear(colors / 255))
+    if "alpha" in vertex:  # kept, though the material is opaque
+        linear[:, 3] = 257 * as_bytes(vertex["alpha"]).astype("<u2")
+    return linear
+
+
+def _sign(asset: dict[str, Any], lines: tuple[str, ...]) -> None:
+    """Write lines of provenance, or none, in place of earlier ones."""
+    extras = asset.get("extras")
+    kept = (
+        {key: value for key, value in extras.items() if key != _GENERATOR}
+        if isinstance(extras, dict)
+        else {}
+    )
+    if lines:
+        kept[_GENERATOR] = list(lines)
+    if kept:
+        asset["extras"] = kept
+    elif isinstance(extras, dict):
+        del asset["extras"]

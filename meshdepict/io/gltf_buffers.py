@@ -37,11 +37,16 @@ class Buffers:
         Where buffers in files of their own lie, or below.
     size : int
         Of the file, in bytes: memory is bounded by it.
+
+    Attributes
+    ----------
+    folder : Path
+        As given.
     """
 
     def __init__(self, header: dict[str, Any], chunk: bytes, folder: Path, size: int) -> None:
         self._header = header
-        self._folder = folder
+        self.folder = folder
         self._chunk = chunk
         self._files: dict[str, bytes] = {}
         self._decoded: dict[int, bytes] = {}
@@ -52,6 +57,10 @@ class Buffers:
         """Count numbers that will be kept; refuse what no file of this size should ask for."""
         self._claimed += 8 * _COPIES * numbers
         check_claim(self._claimed, self._size, what)
+
+    def forget_claims(self) -> None:
+        """Begin to count anew: what was kept so far is kept no longer."""
+        self._claimed = 0
 
     def count(self, index: int) -> int:
         """Return how many values an accessor has."""
@@ -108,7 +117,7 @@ class Buffers:
                 raise MeshdepictError(
                     f"is compressed ({extension}), which is not read; export it uncompressed"
                 )
-        buffer = self._buffer(view["buffer"])
+        buffer = self.content(view["buffer"])
         start, length = whole(view, "byteOffset", 0), whole(view, "byteLength", len(buffer))
         if start + length > len(buffer):
             due = whole(described, "byteLength", 0)
@@ -136,7 +145,8 @@ class Buffers:
             )
         return np.ndarray(shape, kind, data, start if count else 0, (stride, kind.itemsize))
 
-    def _buffer(self, index: int) -> bytes:
+    def content(self, index: int) -> bytes:
+        """Return all bytes of a buffer."""
         buffer = pick(self._header, "buffers", index)
         uri = buffer.get("uri")
         if uri is None:
@@ -148,7 +158,7 @@ class Buffers:
                 self._decoded[index] = base64.b64decode(uri.partition(",")[2])
             return self._decoded[index]
         if uri not in self._files:
-            path = inside(self._folder, unquote(uri), "buffer")
+            path = inside(self.folder, unquote(uri), "buffer")
             try:
                 with path.open("rb") as file:
                     self._files[uri] = file.read(whole(buffer, "byteLength", -1))

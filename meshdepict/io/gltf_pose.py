@@ -13,7 +13,7 @@ from meshdepict.errors import MeshdepictError
 from meshdepict.io.gltf_buffers import Buffers, pick
 from meshdepict.io.gltf_extensions import INSTANCING, VISIBILITY
 
-__all__ = ["instances", "morphed", "placed", "skinned"]
+__all__ = ["cofactors", "instances", "mirrors", "morphed", "placed", "skinned"]
 
 Floats = NDArray[np.float64]
 
@@ -172,3 +172,15 @@ def skinned(
             moved += np.where(share != 0, share * place, 0.0)
             total += share
     return moved / np.where(total > 0, total, 1.0)
+
+
+def cofactors(matrix: Floats) -> Floats:
+    """Return what normals are multiplied by where points are by a matrix, but for their length."""
+    a, b, c = matrix[:3, :3] / (np.abs(matrix[:3, :3]).max() or 1.0)
+    return np.stack([np.cross(b, c), np.cross(c, a), np.cross(a, b)])
+
+
+def mirrors(matrix: Floats) -> bool:
+    """Tell whether a matrix turns a right hand into a left one."""
+    largest = np.abs(matrix[:3, :3]).max()
+    return bool(largest > 0 and np.linalg.det(matrix[:3, :3] / largest) < 0)

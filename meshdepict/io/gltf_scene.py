@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -12,7 +11,8 @@ from numpy.typing import NDArray
 from meshdepict.errors import MeshdepictError
 from meshdepict.io.gltf_buffers import Buffers, as_fractions, pick
 from meshdepict.io.gltf_extensions import DRACO, Unpacked, check_required, draco
-from meshdepict.io.gltf_pose import instances, morphed, placed, skinned
+from meshdepict.io.gltf_materials import WHITE, Laid, base_factor, is_textured, laid
+from meshdepict.io.gltf_pose import cofactors, instances, mirrors, morphed, placed, skinned
 from meshdepict.surface.polygons import Polygons, strip_triangles
 
 __all__ = ["Part", "Scene"]
@@ -20,8 +20,6 @@ __all__ = ["Part", "Scene"]
 Floats = NDArray[np.float64]
 
 _TRIANGLES, _STRIP, _FAN = 4, 5, 6
-_WHITE = (1.0, 1.0, 1.0, 1.0)
-_GLOSSINESS = "KHR_materials_pbrSpecularGlossiness"
 
 
 class Part(NamedTuple):
@@ -32,6 +30,17 @@ class Part(NamedTuple):
     color: Floats | None  # (n, 4) linear, with alpha
     texture: Floats | None  # (n, 2)
     normal: Floats | None = None  # (n, 3), of what neither morphs nor bends
+    material: NDArray[np.int32] | None = None  # of every triangle, −1 none; where asked for
+    uv: Floats | None = None  # (m, 3, 2) of every corner's base colour, NaN where it has none
+    normal_uv: Floats | None = None  # and of its normal map
+    source: Source | None = None  # None of what isn't drawn as it stands in the file
+
+
+class Source(NamedTuple):
+    """Where a part stands in its file: primitives that share their points, and their place."""
+
+    primitives: tuple[dict[str, Any], ...]
+    matrix: Floats | None = None
 
 
 class Scene:
@@ -41,22 +50,25 @@ class Scene:
     ----------
     header : dict
         The JSON part. Where it doesn't follow the standard, reading raises what Python raises.
-    chunk : bytes
-        The binary part, empty if there is none.
-    folder : Path
-        Where buffers in files of their own lie.
-    size : int
-        Of the file, in bytes.
+    buffers : Buffers
+        Of the same header.
+    textured : bool
+        Whether parts say which material their triangles have, and where its textures lie.
+
+    In a scene with textures, factors of base colours stay with them: points are not coloured.
     """
 
-    def __init__(self, header: dict[str, Any], chunk: bytes, folder: Path, size: int) -> None:
+    def __init__(self, header: dict[str, Any], buffers: Buffers, *, textured: bool = False) -> None:
         check_required(header.get("extensionsRequired", ()))
         self._header = header
-        self._buffers = Buffers(header, chunk, folder, size)
+        self._buffers = buffers
+        self._buffers.forget_claims()
+        self._textured = textured
+        self._factors = not is_textured(header)
         self._parts: dict[int, list[Part]] = {}
 
-    def losses(self) -> list[str]:
-        """Name what the scene has beside triangles and their colours."""
+    def extras(self) -> list[str]:
+        """Name what the file has beside triangles and their colours."""
         names = [name for name in ("textures", "animations", "skins") if self._header.get(name)]
         modes = {
             primitive.get("mode", _TRIANGLES)
@@ -81,7 +93,10 @@ class Scene:
                 if several is None:
                     found.append(self._moved(part, matrix))
                 else:
-                    found += [self._moved(part, matrix @ instance) for instance in several]
+                    found += [
+                        self._moved(part, matrix @ instance)._replace(source=None)
+                        for instance in several
+                    ]
         if not found and DRACO in self._header.get("extensionsRequired", ()):
             raise MeshdepictError(f"is compressed ({DRACO}), but holds no mesh")
         return found
@@ -90,12 +105,16 @@ class Scene:
         """Return a part at its place; a mirror turns its faces round."""
         self._buffers.claim(part.points.size + part.faces.size, "triangles at its nodes")
         points = part.points @ matrix[:3, :3].T + matrix[:3, 3]
-        turned = _mirrors(matrix)
+        turned = mirrors(matrix)
         normal = part.normal
         if normal is not None:
-            normal = normal @ _cofactors(matrix).T * (-1 if turned else 1)
-        faces = part.faces[:, ::-1] if turned else part.faces
-        return part._replace(points=points, faces=faces, normal=normal)
+            normal = normal @ cofactors(matrix).T * (-1 if turned else 1)
+        source = part.source and part.source._replace(matrix=matrix)
+        part = part._replace(points=points, normal=normal, source=source)
+        if not turned:
+            return part
+        uv, normal_uv = (None if uv is None else uv[:, ::-1] for uv in (part.uv, part.normal_uv))
+        return part._replace(faces=part.faces[:, ::-1], uv=uv, normal_uv=normal_uv)
 
     def _skinned_parts(self, node: dict[str, Any], places: dict[int, Floats]) -> list[Part]:
         mesh = pick(self._header, "meshes", node["mesh"])
@@ -121,14 +140,15 @@ class Scene:
     ) -> list[Part]:
         """Return a mesh's triangles; primitives that share their vertices stay one part."""
         shared: dict[tuple[Any, ...], Part] = {}
-        faces: dict[tuple[Any, ...], list[NDArray[np.int64]]] = {}
+        pieces: dict[tuple[Any, ...], list[Piece]] = {}
         for primitive in mesh["primitives"]:
             if primitive.get("mode", _TRIANGLES) < _TRIANGLES:
                 continue
             used = primitive["attributes"]
             packed = primitive.get("extensions", {}).get(DRACO)
             morphs = tuple(str(target) for target in primitive.get("targets", ()))
-            factor = self._material_color(primitive)
+            material = self._material(primitive)
+            factor = base_factor(material) if self._factors else WHITE
             key = (
                 *(used.get(name) for name in ("POSITION", "COLOR_0", "TEXCOORD_0", "NORMAL")),
                 *factor, packed and packed["bufferView"], morphs,
@@ -138,12 +158,32 @@ class Scene:
                 part = self._part(primitive, factor, weights, unpacked)
                 if skin is not None and "JOINTS_0" in used:
                     points = skinned(part.points, used, skin, places or {}, self._buffers)
-                    part = part._replace(points=points, normal=None)
+                    part = part._replace(points=points, normal=None, source=None)
                 shared[key] = part
-            faces.setdefault(key, []).append(
-                self._faces(primitive, len(shared[key].points), unpacked)
-            )
-        return [part._replace(faces=np.concatenate(faces[key])) for key, part in shared.items()]
+            index = self._faces(primitive, len(shared[key].points), unpacked)
+            base = normal = None
+            if self._textured:
+                lays = [laid(material, kind) for kind in (0, 1)]
+                base, normal = (self._uv(used, lay, index, unpacked) for lay in lays)
+            pieces.setdefault(key, []).append(Piece(primitive, index, base, normal))
+        return [_assembled(part, pieces[key]) for key, part in shared.items()]
+
+    def _uv(
+        self,
+        used: dict[str, int],
+        lay: Laid | None,
+        faces: NDArray[np.int64],
+        unpacked: Unpacked | None,
+    ) -> Floats:
+        """Return the coordinates (m, 3, 2) of triangles' corners, NaN where there are none."""
+        name = "" if lay is None else f"TEXCOORD_{lay.coordinates}"
+        self._buffers.claim(2 * faces.size, "texture coordinates")
+        if lay is None or name not in used:
+            return np.full((len(faces), 3, 2), np.nan)
+        uv = self._values(used, name, unpacked)
+        if uv.ndim != 2 or uv.shape[1] != 2 or (faces.size and faces.max() >= len(uv)):
+            raise MeshdepictError(f"is wrong as glTF: its {name} don't fit its points")
+        return np.asarray(lay.moved(uv)[faces])
 
     def _unpacked(self, primitive: dict[str, Any], packed: dict[str, Any]) -> Unpacked | None:
         """Return what Draco compressed, None where the file holds the same uncompressed, too."""
@@ -168,30 +208,36 @@ class Scene:
         points = self._values(used, "POSITION", unpacked)[:, :3]
         points = morphed(points, "POSITION", primitive, weights, self._buffers)
         color = texture = None
-        if colored or tuple(factor) != _WHITE:
-            color = np.tile(_WHITE, (len(points), 1))
+        if colored or tuple(factor) != WHITE:
+            color = np.tile(WHITE, (len(points), 1))
             if colored:
                 given = self._values(used, "COLOR_0", unpacked)
                 given = morphed(given, "COLOR_0", primitive, weights, self._buffers)
                 color[:, : given.shape[1]] = given
             color = color * factor
         if "TEXCOORD_0" in used:
-            texture = self._values(used, "TEXCOORD_0", unpacked)
+            texture = self._optional(used, "TEXCOORD_0", unpacked, (len(points), 2))
         self._buffers.claim(points.size, "points")
-        normal = self._normals(used, unpacked, len(points)) if "NORMAL" in used else None
+        normal = None
+        if "NORMAL" in used:
+            normal = self._optional(used, "NORMAL", unpacked, (len(points), 3))
         if normal is not None and any(weights):
             normal = None
-        return Part(points, np.empty((0, 3), np.int64), color, texture, normal)
+        plain = unpacked is None and not any(weights)
+        return Part(
+            points, np.empty((0, 3), np.int64), color, texture, normal,
+            source=Source(()) if plain else None,
+        )  # fmt: skip
 
-    def _normals(
-        self, used: dict[str, int], unpacked: Unpacked | None, count: int
+    def _optional(
+        self, used: dict[str, int], name: str, unpacked: Unpacked | None, shape: tuple[int, int]
     ) -> Floats | None:
-        """Return the normals of a part's vertices; None where they are damaged: few want them."""
+        """Return what few want of a part's vertices; None where it is damaged."""
         try:
-            normal = self._values(used, "NORMAL", unpacked)
+            values = self._values(used, name, unpacked)
         except (MeshdepictError, LookupError, ValueError):
             return None
-        return normal if normal.shape == (count, 3) else None
+        return values if values.shape == shape else None
 
     def _values(self, used: dict[str, int], name: str, unpacked: Unpacked | None) -> Floats:
         """Return an attribute of all vertices; colours as fractions whatever their type."""
@@ -227,25 +273,31 @@ class Scene:
             return np.stack((first, index[1:-1], index[2:]), axis=1)
         return index[: len(index) // 3 * 3].reshape(-1, 3)
 
-    def _material_color(self, primitive: dict[str, Any]) -> tuple[float, ...]:
-        """Return the factor (red, green, blue, alpha) of a primitive's colours."""
+    def _material(self, primitive: dict[str, Any]) -> dict[str, Any]:
         if "material" not in primitive:
-            return _WHITE
-        material = pick(self._header, "materials", primitive["material"])
-        factor = material.get("pbrMetallicRoughness", {}).get("baseColorFactor")
-        if factor is None:
-            glossy = material.get("extensions", {}).get(_GLOSSINESS, {})
-            factor = glossy.get("diffuseFactor", _WHITE)
-        given = tuple(map(float, factor))
-        return given + _WHITE[len(given) :]
+            return {}
+        found: dict[str, Any] = pick(self._header, "materials", primitive["material"])
+        return found
 
 
-def _cofactors(matrix: Floats) -> Floats:
-    """Return what normals are multiplied by where points are by a matrix, but for their length."""
-    a, b, c = matrix[:3, :3] / (np.abs(matrix[:3, :3]).max() or 1.0)
-    return np.stack([np.cross(b, c), np.cross(c, a), np.cross(a, b)])
+class Piece(NamedTuple):
+    """The triangles of a primitive among those that share their points."""
+
+    primitive: dict[str, Any]
+    faces: NDArray[np.int64]
+    uv: Floats | None
+    normal_uv: Floats | None
 
 
-def _mirrors(matrix: Floats) -> bool:
-    largest = np.abs(matrix[:3, :3]).max()
-    return bool(largest > 0 and np.linalg.det(matrix[:3, :3] / largest) < 0)
+def _assembled(part: Part, pieces: list[Piece]) -> Part:
+    part = part._replace(faces=np.concatenate([piece.faces for piece in pieces]))
+    if part.source is not None:
+        part = part._replace(source=Source(tuple(piece.primitive for piece in pieces)))
+    if pieces[0].uv is None:
+        return part
+    material = [piece.primitive.get("material", -1) for piece in pieces]
+    uv, normal_uv = (np.concatenate([piece[at] for piece in pieces]) for at in (2, 3))
+    counts = [len(piece.faces) for piece in pieces]
+    return part._replace(
+        material=np.repeat(np.array(material, np.int32), counts), uv=uv, normal_uv=normal_uv
+    )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import math
+import warnings
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, BinaryIO
@@ -11,11 +12,15 @@ from typing import TYPE_CHECKING, BinaryIO
 import numpy as np
 from numpy.typing import NDArray
 
-from meshdepict.errors import MeshdepictError
+from meshdepict.errors import MeshdepictError, MeshdepictWarning
+from meshdepict.files.any_numbers import any_numbers
 from meshdepict.files.mark import MARK
 from meshdepict.io import text
 from meshdepict.io.obj_faces import parse_faces, parse_normals
 from meshdepict.io.obj_lines import Lines, joined, line_end, table
+from meshdepict.io.obj_materials import libraries, with_companions
+from meshdepict.io.obj_textures import obj_textures, texture_faults
+from meshdepict.io.texture_files import texture_notes
 from meshdepict.shapes.colors import after_position
 from meshdepict.shapes.document import (
     COLOR,
@@ -30,6 +35,7 @@ from meshdepict.surface.polygons import Polygons, as_polygons
 
 if TYPE_CHECKING:
     from meshdepict.shapes.mesh import Mesh
+    from meshdepict.shapes.textures import Textures
 
 __all__ = ["ObjDocument", "decode", "encode", "provenance"]
 
@@ -47,6 +53,8 @@ class ObjDocument(Document):
     polygons: Polygons
     texture: NDArray[np.float64]
     corners: NDArray[np.int64]
+    folder: Path
+    formats: tuple[str, ...] = (".obj",)
 
     @property
     def texcoords(self) -> tuple[NDArray[np.float64], NDArray[np.int64]] | None:
@@ -62,6 +70,27 @@ class ObjDocument(Document):
             return None
         corner = parse_normals(lines.bodies(b"f"), lambda: lines.before(b"f", b"vn"))
         return normals, np.where((corner >= 0) & (corner < len(normals)), corner, -1)
+
+    @property
+    def extras(self) -> tuple[str, ...]:
+        """What the file holds that no other format keeps."""
+        return ("materials and textures",) if self.is_textured else ()
+
+    @property
+    def is_textured(self) -> bool:
+        """Whether a material of the file's libraries has a picture, and its faces coordinates."""
+        if not len(self.texture) or b"mtllib" not in self.data:
+            return False
+        held = (library.materials.values() for library in libraries(self.data, self.folder))
+        return any(m.base or m.normal or m.bump for materials in held for m in materials)
+
+    @any_numbers()
+    def textures(self, corners: NDArray[np.int64]) -> Textures | None:
+        """Return what the file lays on its triangles, or None."""
+        if not self.is_textured:
+            return None
+        owner = np.searchsorted(self.polygons.offsets, corners[:, 0], side="right") - 1
+        return obj_textures(self.data, self.folder, self.texture, self.corners[corners], owner)
 
     def describes(self, vertices: NDArray[np.float64] | None, polygons: Polygons) -> bool:
         """Whether these are the file's vertices (if given) and polygons, not changed ones."""
@@ -101,6 +130,8 @@ def decode(data: bytes, path: Path) -> Contents:
     )
     texture = table(lines, b"vt", least=1)
     texture = np.concatenate((texture, np.zeros_like(texture)), axis=1)[:, :2]  # v is 0 by default
+    proper = np.asarray(np.isfinite(texture).all(axis=1))
+    texture[~proper] = 0
     colors = after_position(numbers[:, 3:], w_first=True)
     attributes = {}
     if colors is not None:
@@ -111,10 +142,31 @@ def decode(data: bytes, path: Path) -> Contents:
         vertices=numbers[:, :3],
         polygons=polygons,
         texture=texture,
-        # An index out of range is a fault of the texture, not of the shape.
-        corners=np.where((of_texture >= 0) & (of_texture < len(texture)), of_texture, -1),
+        corners=_known(of_texture, proper),
+        folder=path.parent,
     )
+    if b"mtllib" in data and (notes := _texture_notes(document)):
+        warnings.warn(f"{path} {'; '.join(notes)}", MeshdepictWarning, stacklevel=2)
     return Contents(numbers[:, :3], polygons, attributes, document)
+
+
+def _known(index: NDArray[np.int64], proper: NDArray[np.bool_]) -> NDArray[np.int64]:
+    """Return −1 in place of indices of coordinates that are none, or that there aren't.
+
+    That is a fault of the texture, not of the shape.
+    """
+    inside = (index >= 0) & (index < len(proper))
+    inside[inside] = proper[index[inside]]
+    return np.where(inside, index, -1)
+
+
+def _texture_notes(document: ObjDocument) -> list[str]:
+    """Say what is wrong with the pictures that the file's materials name."""
+    found = libraries(document.data, document.folder)
+    notes = texture_notes(texture_faults(found, document.folder))
+    if not len(document.texture) and any(library.maps for library in found):
+        notes.append("names textures, but holds no texture coordinates: they are not shown")
+    return notes
 
 
 # --- writing ----------------------------------------------------------------------------------
@@ -129,6 +181,8 @@ def encode(file: BinaryIO, mesh: Mesh, saving: Saving) -> None:
         data = document.data
         if line_end(data) == b"\r":  # one kind of line ends, with the comments
             data = data.replace(b"\r", b"\n")
+        if saving.companions is not None and b"mtllib" in data:
+            data = with_companions(data, document.folder, saving.companions)
         if saving.comments or saving.colors is not None:
             data = _without_provenance(data)
         _write_comments(file, saving)

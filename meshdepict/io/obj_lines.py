@@ -14,6 +14,7 @@ __all__ = ["Lines", "joined", "line_end", "table"]
 
 _BLANKS = np.frombuffer(b" \t", np.uint8)
 _BLANK, _NEWLINE = ord(" "), ord("\n")
+_PADDING = 8  # behind the last line, more than a keyword is long
 
 
 def line_end(data: bytes) -> bytes:
@@ -55,8 +56,8 @@ class Lines:
             self._split(re.sub(rb"(?m)^[ \t]+", b"", data))
 
     def _split(self, data: bytes) -> None:
-        self._letters = np.frombuffer(data + b"\n\n\n\n", np.uint8)
-        ends = np.flatnonzero(self._letters[:-3] == ord("\n"))
+        self._letters = np.frombuffer(data + b"\n" * _PADDING, np.uint8)
+        ends = np.flatnonzero(self._letters[: 1 - _PADDING] == ord("\n"))
         self._starts = np.concatenate(([0], ends[:-1] + 1))
         self._lengths = ends + 1 - self._starts
 

@@ -15,7 +15,6 @@ from meshdepict.errors import MeshdepictWarning
 from meshdepict.io.ply_binary import encode_binary
 from meshdepict.io.ply_document import (
     PlyDocument,
-    Section,
     geometry_of,
     hold,
     index_list,
@@ -33,8 +32,9 @@ from meshdepict.io.ply_header import (
     read_header,
 )
 from meshdepict.io.ply_properties import as_properties, exact_float
-from meshdepict.io.ply_rows import Column, Ragged
+from meshdepict.io.ply_rows import Column, Ragged, Section
 from meshdepict.io.ply_text import encode_text, rewrite_text
+from meshdepict.io.ply_textures import ply_notes, with_pictures
 from meshdepict.shapes.document import COLOR, Contents, Document, Saving, new_names, recolored
 from meshdepict.surface.polygons import Polygons, as_polygons
 
@@ -63,7 +63,7 @@ def decode(data: bytes, path: Path) -> Contents:
     header = parse_header(data)
     sections, rest = split_sections(header, data)
     vertices, faces = geometry_of(header, sections)
-    said = list(_notes(sections, rest))
+    said = [*_notes(sections, rest), *ply_notes(header, path.parent)]
     if said:
         warnings.warn(f"{path} {'; '.join(said)}", MeshdepictWarning, stacklevel=2)
     attributes = {"vertex": _attributes(sections["vertex"], POSITION)}
@@ -71,7 +71,9 @@ def decode(data: bytes, path: Path) -> Contents:
         # Texture coordinates belong to corners: they stay with the document.
         corners = (index_list(sections["face"]), "texcoord")
         attributes["face"] = _attributes(sections["face"], corners)
-    document = PlyDocument(provenance=header.provenance, header=header, data=data)
+    document = PlyDocument(
+        provenance=header.provenance, header=header, data=data, folder=path.parent
+    )
     return Contents(vertices, faces, attributes, document)
 
 
@@ -105,16 +107,21 @@ def encode(file: BinaryIO, mesh: Mesh, saving: Saving) -> None:
     if isinstance(document, PlyDocument):
         sections, rest = split_sections(document.header, document.data)
         if hold(document.header, sections, mesh.vertices, polygons):
-            _write_edited(file, mesh, saving, document.header, sections)
+            _write_edited(file, mesh, saving, document, sections)
             file.write(rest)
             return
     _write_fresh(file, mesh, polygons, saving)
 
 
 def _write_edited(
-    file: BinaryIO, mesh: Mesh, saving: Saving, header: Header, sections: Mapping[str, Section]
+    file: BinaryIO,
+    mesh: Mesh,
+    saving: Saving,
+    document: PlyDocument,
+    sections: Mapping[str, Section],
 ) -> None:
     """Write the file as it was, except what gets another name, goes or comes."""
+    header = document.header
     edited: dict[str, list[Property]] = {}
     rows: list[Any] = []
     for name, section in sections.items():
@@ -136,7 +143,10 @@ def _write_edited(
         else:
             rows.append(section.rows)
     comments = saving.comments if saving.comments or saving.colors is not None else None
-    file.write(header.rewritten(edited, comments))
+    top = header.rewritten(edited, comments)
+    if saving.companions is not None:
+        top = with_pictures(top, header, document.folder, saving.companions)
+    file.write(top)
     for part in rows:
         if isinstance(part, list):
             file.writelines(line + line_end(header) for line in part)

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import accumulate
-from typing import Any, NamedTuple
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,14 +16,15 @@ from meshdepict.files.any_numbers import any_numbers
 from meshdepict.io.ply_binary import decode_binary
 from meshdepict.io.ply_grid import grid_of, grid_triangles
 from meshdepict.io.ply_header import POSITION, Element, Header
-from meshdepict.io.ply_rows import Column, Ragged, as_ragged
+from meshdepict.io.ply_rows import Column, Ragged, Section, as_ragged
 from meshdepict.io.ply_text import decode_text, reflowed
+from meshdepict.io.ply_textures import has_coordinates, picture_names, ply_textures
 from meshdepict.shapes.document import Document, same_vertices
+from meshdepict.shapes.textures import Textures
 from meshdepict.surface.polygons import Polygons, as_polygons, strip_triangles, whole_numbers
 
 __all__ = [
     "PlyDocument",
-    "Section",
     "geometry_of",
     "hold",
     "index_list",
@@ -32,21 +34,28 @@ __all__ = [
 ]
 
 
-class Section(NamedTuple):
-    """An element with its columns, and its rows as they stand in the file."""
-
-    element: Element
-    columns: dict[str, Column]
-    rows: bytes | list[bytes]  # a list of lines in ASCII files
-    odd: Mapping[str, str]  # properties with values of another kind, and one of these
-
-
 @dataclass(frozen=True, kw_only=True)
 class PlyDocument(Document):
     """A whole PLY file."""
 
     header: Header
     data: bytes
+    folder: Path
+    formats: tuple[str, ...] = (".ply",)
+
+    @property
+    def is_textured(self) -> bool:
+        """Whether the file names pictures, and has coordinates in them."""
+        return bool(picture_names(self.header)) and has_coordinates(self.header)
+
+    @any_numbers()
+    def textures(self, corners: NDArray[np.int64]) -> Textures | None:
+        """Return what the file lays on its triangles, or None."""
+        if not self.is_textured or self.has_strips:
+            return None
+        sections = split_sections(self.header, self.data)[0]
+        polygons = as_polygons(geometry_of(self.header, sections)[1])
+        return ply_textures(self.header, sections, self.texcoords, polygons, self.folder, corners)
 
     @property
     @any_numbers()
@@ -74,6 +83,7 @@ class PlyDocument(Document):
         """Whether triangle strips are among the file's faces."""
         return any(item.name == "tristrips" and item.count for item in self.header.elements)
 
+    @any_numbers()
     def describes(self, vertices: NDArray[np.float64] | None, polygons: Polygons) -> bool:
         """Whether these are the file's vertices (if given) and polygons, not changed ones."""
         sections = split_sections(self.header, self.data)[0]

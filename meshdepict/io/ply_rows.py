@@ -11,7 +11,17 @@ from numpy.typing import NDArray
 from meshdepict.errors import MeshdepictError
 from meshdepict.io.ply_header import Element, Property
 
-__all__ = ["Column", "Layout", "Ragged", "Width", "as_ragged", "cut_off", "layout_of", "walk"]
+__all__ = [
+    "Column",
+    "Layout",
+    "Ragged",
+    "Section",
+    "Width",
+    "as_ragged",
+    "cut_off",
+    "layout_of",
+    "walk",
+]
 
 Ints = NDArray[np.int64]
 
@@ -28,6 +38,15 @@ class Ragged(NamedTuple):
 
 
 Column = NDArray[Any] | Ragged  # (n,) scalars, (n, k) lists of one length, or lists of several
+
+
+class Section(NamedTuple):
+    """An element with its columns, and its rows as they stand in the file."""
+
+    element: Element
+    columns: dict[str, Column]
+    rows: bytes | list[bytes]  # a list of lines in ASCII files
+    odd: Mapping[str, str]  # properties with values of another kind, and one of these
 
 
 def as_ragged(column: Column) -> Ragged:

@@ -16,6 +16,7 @@ from meshdepict.curvature.frames import halved_angle, tangents
 from meshdepict.curvature.principal import PrincipalCurvatures
 from meshdepict.scales.normal_sets import Fill
 from meshdepict.scales.space import ScaleSpace
+from meshdepict.threads import each, spans, thread_count
 
 if TYPE_CHECKING:
     from meshdepict.scene.light import Light
@@ -24,9 +25,11 @@ if TYPE_CHECKING:
     from meshdepict.transport.retraced import Retraced
     from meshdepict.transport.transfer import Transfer
 
-__all__ = ["InterpolatedSpace"]
+__all__ = ["InterpolatedSpace", "bent"]
 
 Floats = NDArray[np.float64]
+
+_MANY = 20_000  # samples that are worth several threads
 
 
 class InterpolatedSpace(ScaleSpace):
@@ -53,16 +56,25 @@ class InterpolatedSpace(ScaleSpace):
         normals: NDArray[Any] | None = None,
     ) -> None:
         self.source, self._corners = source, np.ascontiguousarray(corners)
-        self._weights = np.ascontiguousarray(weights, np.float64)
-        own = self._unit(source.normals_at(0)) if normals is None else normals
-        points = self._spread(source.unit_points)
-        points = points * (source.shape.diagonal or 1.0) + source.shape.centre
+        single = weights.dtype == np.float32
+        self._weights: NDArray[Any] = np.ascontiguousarray(
+            weights, np.float32 if single else np.float64
+        )
+        own = self._unit(source.normals_at(0)) if normals is None else normals.T
         super().__init__(
-            source.shape, points, source.widths, source.ratio, own.T,
+            source.shape, None, source.widths, source.ratio, own,
             facing=source.facing, tolerance=source.tolerance,
         )  # fmt: skip
         self.tints = source.tints
         self.company, self.member = source.company, source.member
+
+    @property
+    def points(self) -> Floats:
+        """(n, 3) world positions of the samples."""
+        if self._points is None:  # many methods ask for none
+            found = self._spread(self.source.unit_points)
+            self._points = found * (self.source.shape.diagonal or 1.0) + self.source.shape.centre
+        return self._points
 
     def typical(self) -> ScaleSpace:
         """Return the samples of the whole."""
@@ -104,7 +116,7 @@ class InterpolatedSpace(ScaleSpace):
         def fill(
             scale: int, out: NDArray[np.float32], done: Callable[[float], None] | None
         ) -> None:
-            out[:] = self._unit(self.source.normals_at(scale)).T
+            self._unit(self.source.normals_at(scale), out)
 
         return fill
 
@@ -115,12 +127,19 @@ class InterpolatedSpace(ScaleSpace):
         """Interpolate values (vertices, …)."""
         return np.einsum("nc,nc...->n...", self._weights, values[self._corners])
 
-    def _unit(self, vectors: NDArray[Any]) -> Floats:
-        """Interpolate unit vectors; where they cancel, the nearest vertex's."""
-        mean = self._spread(vectors)
-        length = np.linalg.norm(mean, axis=1, keepdims=True)
-        nearest = np.take_along_axis(self._corners, self._weights.argmax(axis=1)[:, None], 1)[:, 0]
-        return np.where(length > 1e-6, mean / np.where(length > 1e-6, length, 1), vectors[nearest])
+    def _unit(
+        self, vectors: NDArray[Any], out: NDArray[np.float32] | None = None
+    ) -> NDArray[np.float32]:
+        """Interpolate unit vectors (vertices, 3) as planes (3, n)."""
+        from meshdepict.scales.between_vertices import unit_between
+
+        count = len(self._corners)
+        found = np.empty((3, count), np.float32) if out is None else out
+        each(
+            lambda a, b: unit_between(vectors, self._corners, self._weights, found, a, b),
+            spans(count, thread_count() if count > _MANY else 1),
+        )
+        return found
 
     def _principal(self, scale: int) -> PrincipalCurvatures:
         """Interpolate the shape operators and take their part in the tangent plane."""
@@ -134,21 +153,34 @@ class InterpolatedSpace(ScaleSpace):
                 along, across = (np.einsum("ni,ni->n", d[corner], axis) for axis in (a, b))
                 bend = weight * k[corner]
                 aa, ab, bb = aa + bend * along**2, ab + bend * along * across, bb + bend * across**2
-        mean, half = (aa + bb) / 2, (aa - bb) / 2
-        radius = np.hypot(half, ab)
-        cosine, sine = (v[:, None] for v in halved_angle(half, ab))
-        large, small = cosine * a + sine * b, cosine * b - sine * a
-        turned = mean < 0  # the smaller eigenvalue is larger in magnitude
-        first, second = np.where(turned, -radius, radius) + mean, np.where(turned, radius, -radius)
-        one = np.where(turned[:, None], small, large).astype(np.float32)
-        two = np.where(turned[:, None], -large, small).astype(np.float32)
-        return PrincipalCurvatures(first, mean + second, one, two)
+        return bent(a, b, aa, ab, bb)
 
     def _turns(self, scale: int) -> NDArray[np.float32]:
-        return self.source._turns(scale)[self._corners].min(axis=1)
+        return self.source.crease_cosines(scale)[self._corners].min(axis=1)
 
     def _open(self, rays: int) -> Openness:
         from meshdepict.transport.occlusion import Openness
 
         values = self._spread(self.source.occlusion(rays)).astype(np.float32)
         return Openness(values, self.source.occlusion_errors[rays])
+
+
+def bent(a: Floats, b: Floats, aa: Any, ab: Any, bb: Any) -> PrincipalCurvatures:
+    """Return the principal curvatures of shape operators.
+
+    Parameters
+    ----------
+    a, b : (n, 3) array
+        Axes of the tangent planes, unit and at right angles.
+    aa, ab, bb : (n,) array
+        The operators' numbers in them.
+    """
+    mean, half = (aa + bb) / 2, (aa - bb) / 2
+    radius = np.hypot(half, ab)
+    cosine, sine = (v[:, None] for v in halved_angle(half, ab))
+    large, small = cosine * a + sine * b, cosine * b - sine * a
+    turned = mean < 0  # the smaller eigenvalue is larger in magnitude
+    first, second = np.where(turned, -radius, radius) + mean, np.where(turned, radius, -radius)
+    one = np.where(turned[:, None], small, large).astype(np.float32)
+    two = np.where(turned[:, None], -large, small).astype(np.float32)
+    return PrincipalCurvatures(first, mean + second, one, two)

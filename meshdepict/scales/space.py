@@ -157,16 +157,20 @@ class ScaleSpace(ReliefSamples):
         if seen is not None and former == sight:
             return seen
         normals = self.normals_at(scale)
-        if scale not in self._creases:
-            self._creases[scale] = self._turns(scale)
         seen = view_tensor(
-            self.points, normals, self.curvature(scale), self._creases[scale], eye,
+            self.points, normals, self.curvature(scale), self.crease_cosines(scale), eye,
             foreshortening=foreshortening,
         )  # fmt: skip
         for array in seen:
             array.setflags(write=False)
         self._seen[scale, foreshortening] = sight, seen
         return seen
+
+    def crease_cosines(self, scale: int) -> NDArray[np.float32]:
+        """Return the least cosine (n,) between a sample's normal and its neighbours'; kept."""
+        if scale not in self._creases:
+            self._creases[scale] = self._turns(scale)
+        return self._creases[scale]
 
     def occlusion(self, rays: int = 256) -> NDArray[np.float32]:
         """Return the share of the light from all around that reaches each sample; computed once.

@@ -193,7 +193,12 @@ def _sampled(
     at = transfer.points, transfer.normals
     falling = seen
     if shadows and not space.at_vertices:
-        falling = tuple(space.seen_share(light, rays=rays, at=at) for light in lights)
+        falling = tuple(
+            space.seen_share(light, rays=rays, at=at)
+            if light.spread
+            else space.seen_from_vertices([light])[0]
+            for light in lights
+        )
     inside = gathering if gathering.everywhere else PLAIN  # for what is sent on
     first = _along(gathering, transfer)
     from meshdepict.transport.sky_cells import parted_sky

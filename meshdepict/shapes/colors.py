@@ -30,7 +30,7 @@ _TABLES = ("rgb", "rgba", "color", "colors", "colour", "colours", "vertex_color"
 _PACKED = ("rgb", "rgba")
 
 
-def vertex_colors(mesh: Mesh, *, baked: bool) -> NDArray[np.uint8] | None:
+def vertex_colors(mesh: Mesh, *, baked: bool, faces: bool = True) -> NDArray[np.uint8] | None:
     """Return the object's own colours, (n, 3), or None where it has none.
 
     Those that a former bake set aside come first, then the vertices', then the faces', which are
@@ -41,6 +41,8 @@ def vertex_colors(mesh: Mesh, *, baked: bool) -> NDArray[np.uint8] | None:
     mesh : Mesh
     baked : bool
         Whether red, green and blue of the vertices are a former bake's.
+    faces : bool
+        Whether the faces' are taken.
     """
     vertex = mesh.attributes["vertex"]
     own = {name: values for name, values in vertex.items() if not (baked and name in COLOR)}
@@ -51,7 +53,7 @@ def vertex_colors(mesh: Mesh, *, baked: bool) -> NDArray[np.uint8] | None:
         found = next(_colors(candidate), None)
         if found is not None:
             return as_bytes(found)
-    of_faces = next(_colors(mesh.attributes["face"]), None)
+    of_faces = next(_colors(mesh.attributes["face"]), None) if faces else None
     if of_faces is None:
         return None
     warnings.warn(

@@ -15,6 +15,8 @@ from meshdepict.surface.mesh_input import is_drawable
 from meshdepict.surface.polygons import FacesLike
 
 if TYPE_CHECKING:
+    from meshdepict.files.companions import Companions
+    from meshdepict.shapes.textures import Textures
     from meshdepict.surface.polygons import Polygons
 
 __all__ = [
@@ -43,12 +45,17 @@ class Contents(NamedTuple):
 
 
 class Saving(NamedTuple):
-    """How a mesh is to be saved, beside the mesh itself."""
+    """How a mesh is to be saved, beside the mesh itself.
+
+    ``companions`` take along what a file names; ``quantize`` lets glTF hold positions in 16 bits.
+    """
 
     colors: NDArray[np.uint8] | None = None
     comments: tuple[str, ...] = ()
     keep_colors: bool = True
     suffix: str = ""
+    companions: Companions | None = None
+    quantize: bool = False
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -57,11 +64,23 @@ class Document:
 
     ``provenance`` holds the lines that this program wrote into the file: where there are any, the
     file's red, green and blue are a former bake's, not the object's. ``up`` is the axis that points
-    up where the file's format has one.
+    up where the file's format has one. ``formats`` are the suffixes of files that keep what no
+    other format does.
     """
 
     provenance: tuple[str, ...] = ()
     up: str = ""
+    formats: tuple[str, ...] = ()
+
+    @property
+    def extras(self) -> tuple[str, ...]:
+        """What the file holds that no other format keeps: "textures", for instance."""
+        return ("textures",) if self.is_textured else ()
+
+    @property
+    def is_textured(self) -> bool:
+        """Whether the file lays pictures on its faces, be they there or not."""
+        return False
 
     @property
     def texcoords(self) -> tuple[NDArray[np.float64], NDArray[np.int64]] | None:
@@ -71,6 +90,16 @@ class Document:
     @property
     def own_normals(self) -> tuple[NDArray[np.float64], NDArray[np.int64]] | None:
         """(t, 3) normals, and which of them each corner has (−1: none), or None."""
+        return None
+
+    def textures(self, corners: NDArray[np.int64]) -> Textures | None:
+        """Return what the file lays on its triangles, or None.
+
+        Parameters
+        ----------
+        corners : (m, 3) array
+            Which of the corners of the file's polygons those of the triangles are.
+        """
         return None
 
     @property

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from copy import copy
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -23,10 +24,11 @@ from meshdepict.surface.mesh_input import (
     checked_groups,
     place_strays,
 )
-from meshdepict.surface.polygons import FacesLike, as_polygons, triangulate
+from meshdepict.surface.polygons import FacesLike, as_polygons, polygon_corners, triangulate
 
 if TYPE_CHECKING:
     from meshdepict.shapes.document import Contents
+    from meshdepict.shapes.textures import Textures
 
 __all__ = ["Mesh"]
 
@@ -53,6 +55,8 @@ class Mesh(Geometry):
         What the coordinates are measured in, "m" or "mm" for instance; empty where unknown.
     groups : (n,) array of int, optional
         Which vertices share a normal, numbered from 0 without gaps; found by position unless given.
+    textures : Textures, or a function that returns them, optional
+        In place of those of the file. A function is called when they are asked for.
 
     Raises
     ------
@@ -73,6 +77,7 @@ class Mesh(Geometry):
         document: object = None,
         length_unit: str = "",
         groups: NDArray[np.int64] | None = None,
+        textures: Textures | Callable[[], Textures | None] | None = None,
     ) -> None:
         self.vertices = as_vertices(vertices)
         polygons = as_polygons(faces)
@@ -106,6 +111,7 @@ class Mesh(Geometry):
         self.document = document
         self.length_unit = length_unit
         self._groups = None if groups is None else checked_groups(groups, len(self.vertices))
+        self._textures = textures if textures is None or callable(textures) else self._fit(textures)
         for array in (self.vertices, self.faces, self._owner, *polygons):
             array.setflags(write=False)
 
@@ -171,6 +177,61 @@ class Mesh(Geometry):
         """Counts, and the fingerprint of vertices and triangles."""
         counts = f"{len(self.vertices)} vertices {len(self.faces)} triangles"
         return f"{counts} sha256 {fingerprint(self.vertices, self.faces)}"
+
+    @cached_property
+    def textures(self) -> Textures | None:
+        """The textures that the mesh was given, or that its file names; None without any.
+
+        Nothing of them is read before they are asked for, and no picture is decoded before its
+        pixels are.
+        """
+        if callable(self._textures):
+            found = self._textures()
+            return None if found is None else self._fit(found)
+        if self._textures is not None or not isinstance(self.document, Document):
+            return self._textures
+        polygons = self.polygons or as_polygons(self.faces)
+        if not self.document.describes(None, polygons):
+            return None
+        return self.document.textures(self.triangle_corners)
+
+    @property
+    def triangle_corners(self) -> NDArray[np.int64]:
+        """(m, 3) which of all polygons' corners, counted one after the other, triangles have."""
+        polygons = self.polygons or as_polygons(self.faces)
+        return polygon_corners(self.faces, self._owner, polygons)
+
+    def _fit(self, textures: Textures) -> Textures:
+        """Return textures that fit the mesh's triangles."""
+        from meshdepict.shapes.textures import Textures
+
+        if not isinstance(textures, Textures):
+            raise MeshdepictError(
+                f"textures={textures!r:.80} are neither Textures nor a function that returns them"
+            )
+        if len(textures.material) != len(self.faces):
+            raise MeshdepictError(
+                f"textures of {len(textures.material):,} triangles don't fit a mesh of "
+                f"{len(self.faces):,}"
+            )
+        return textures
+
+    @property
+    def texcoords(self) -> NDArray[np.float64] | None:
+        """(m, 3, 2) texture coordinates of the triangles' corners, v up; None without textures."""
+        return None if self.textures is None else self.textures.texcoords
+
+    def with_textures(self, textures: Textures) -> Mesh:
+        """Return the mesh with other textures in place of those that it has.
+
+        Raises
+        ------
+        MeshdepictError
+            For textures of another number of triangles.
+        """
+        other = copy(self)
+        vars(other)["textures"] = other._textures = self._fit(textures)
+        return other
 
     # --- other faces ------------------------------------------------------------------------
 

@@ -19,6 +19,7 @@ from meshdepict.surface.edges import connected
 from meshdepict.surface.polygons import Polygons, as_polygons
 
 if TYPE_CHECKING:
+    from meshdepict.shapes.textures import Textures
     from meshdepict.surface.sides import Sides
 
 __all__ = ["PartedMesh", "check_creases", "crease_fans", "parted_at_creases"]
@@ -106,6 +107,11 @@ class PartedMesh(Mesh):
         self.source = source
         self.creases, self.chosen_normals = creases, "computed" if normals is None else "file"
         self.before, self._known = mesh, None if normals is None else frozen(normals)
+
+    @cached_property
+    def textures(self) -> Textures | None:
+        """Those of the other mesh: their corners are the same."""
+        return self.before.textures
 
     @property
     def added(self) -> int:

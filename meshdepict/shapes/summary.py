@@ -28,10 +28,12 @@ def mesh_rows(mesh: Any) -> Iterator[Row]:
 
 def data_rows(mesh: Any) -> Iterator[Row]:
     """Yield what else is known at a mesh's vertices and faces."""
-    textured = getattr(mesh.document, "texcoords", None) is not None
+    laid = getattr(mesh.document, "texcoords", None) is not None
+    textured = bool(getattr(mesh.document, "is_textured", False))
     for element in ("vertex", "face"):
         names = [*mesh.attributes[element]]
-        names += ["texture coordinates"] * (textured and element == "face")
+        if element == "face":
+            names += ["texture coordinates"] * (laid or textured) + ["textures"] * textured
         if names:
             yield f"{element} data", ", ".join(names)
 

@@ -1,1 +1,1 @@
-"""Gaussian sums over points, two ways; `gaussian` chooses."""
+"""Gaussian sums over points, three ways; `gaussian` chooses."""

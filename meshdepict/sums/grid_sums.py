@@ -27,7 +27,7 @@ Ints = NDArray[np.int64]
 Single = NDArray[np.float32]
 
 _PIECE = 4096  # points that are spread by one thread, at least
-_MOST_BLOCKS = 8192  # at once: 150 MB of nine channels, and three times that while they are blurred
+_MOST_BLOCKS = 4096  # at once: 75 MB of nine channels, and three times that while they are blurred
 _ROOM = 16  # blocks round all points: farther no blur reaches
 _FINEST = 5e6  # widths in the extent of the points, at most: keys stay within 63 bits
 _CORNERS: Ints = np.array([(x, y, z) for z in (0, 1) for y in (0, 1) for x in (0, 1)])
@@ -71,14 +71,20 @@ def _cost(
     points: int, area: float, width: float, leader: float, rule: Rule, channels: int
 ) -> float:
     """Return the core-seconds of a sum on the grid of a narrower width, or of its own."""
+    many, nodes, taps = _parts(points, area, width, leader, rule, channels)
+    anew = many * _POINT_SECONDS + nodes * _SPREAD_SECONDS if leader == width else 0.0
+    return anew + nodes * _GATHER_SECONDS + taps * _TAP_SECONDS
+
+
+def _parts(
+    points: int, area: float, width: float, leader: float, rule: Rule, channels: int
+) -> tuple[float, float, float]:
+    """Return points, channels of nodes that those are spread on, and of taps of the blur."""
     spacing = leader / rule.density
     taps = len(blur_taps(rule, width / spacing))
     blocks = 8 + 3.3 * area / (BLOCK * spacing) / (BLOCK * spacing)  # no square: it may overflow
-    cost = 3 * blocks * BLOCK**3 * taps * channels * _TAP_SECONDS
-    nodes = channels * rule.nodes**3
-    if leader == width:
-        cost += points * (_POINT_SECONDS + nodes * _SPREAD_SECONDS)
-    return cost + points * nodes * _GATHER_SECONDS
+    nodes = points * rule.nodes**3 * channels
+    return points, nodes, 3 * blocks * BLOCK**3 * taps * channels
 
 
 class _Points(NamedTuple):
@@ -157,6 +163,15 @@ class PointGrid:
     def _seconds(self, width: float, leader: float, rule: Rule) -> float:
         count, channels = self._values.shape
         return _cost(count, self._area, width, leader, rule, channels)
+
+    def parts(self, width: float, rule: Rule) -> tuple[float, float, float]:
+        """Return how much of what the cost model counts a sum with a grid of its own has."""
+        count, channels = self._values.shape
+        return _parts(count, self._area, width, width, rule, channels)
+
+    def forget(self) -> None:
+        """Let go of what was spread."""
+        self._kept = None
 
     def _leader(self, width: float, rule: Rule) -> float:
         """Return the width whose spacing a width has: its own, or a narrower one's."""

@@ -15,6 +15,7 @@ __all__ = [
     "FacesLike",
     "Polygons",
     "as_polygons",
+    "polygon_corners",
     "strip_triangles",
     "triangulate",
     "whole_numbers",
@@ -151,6 +152,27 @@ def triangulate(vertices: Floats, polygons: Polygons) -> tuple[Ints, Ints]:
         split = _split_blocks(vertices, corners)
         triangles[first[chosen, None] + np.arange(size - 2)] = split
     return triangles, owner
+
+
+def polygon_corners(triangles: Ints, owner: Ints, polygons: Polygons) -> Ints:
+    """Return which of the polygons' corners (m, 3) those of the triangles are.
+
+    Parameters
+    ----------
+    triangles, owner
+        As `triangulate` returned.
+    polygons : Polygons
+
+    Where a polygon has a vertex twice, its first corner there stands for both.
+    """
+    connectivity, offsets = polygons
+    if len(connectivity) == 3 * len(triangles) and (np.diff(offsets) == 3).all():
+        return np.arange(len(connectivity)).reshape(-1, 3)
+    count = int(connectivity.max()) + 1
+    of_corner = np.repeat(np.arange(len(offsets) - 1), np.diff(offsets)) * count + connectivity
+    order = np.argsort(of_corner, kind="stable")
+    wanted = owner[:, None] * count + triangles
+    return np.asarray(order[np.searchsorted(of_corner[order], wanted)])
 
 
 def strip_triangles(strips: Polygons) -> tuple[Ints, Ints]:

@@ -24,7 +24,7 @@ from meshdepict.errors import MeshdepictError
 from meshdepict.options import check, options_of
 from meshdepict.scales.making import scale_space
 from meshdepict.scales.space import ScaleSpace
-from meshdepict.scene.names import LightsLike, as_lighting, as_view
+from meshdepict.scene.names import LightsLike, as_lighting, as_view, has_environment
 from meshdepict.scene.rig import Rig
 from meshdepict.scene.view import View
 from meshdepict.shading.registry import METHODS, find_method
@@ -38,6 +38,8 @@ if TYPE_CHECKING:
     from meshdepict.shapes.mesh import Mesh
 
 __all__ = ["UNSHOWN", "Session", "refuse_unshown"]
+
+_SMOOTHING = "smoothing normals"
 
 
 class Session:
@@ -63,6 +65,8 @@ class Session:
     colormap : str or None
     light_fixed_to : {"object", "eye"}
         Whether the light stays where it is when the view changes, or goes with the eye.
+    doing : str
+        What progress is told of.
 
     Raises
     ------
@@ -95,11 +99,12 @@ class Session:
         self.view = look.eye(self.shape)
         self._lit_from = self.view if look.light is None else None
         self.light = look.lighting(self.view, self.shape.kind)
-        self.progress = progress
+        self.progress, self.doing = progress, _SMOOTHING
         self._spaces: dict[tuple[int, float], ScaleSpace] = {}
         self._options: dict[str, dict[str, Any]] = {}
         self._follows: dict[str, Any] = {}  # options of the method that follow the kind of shape
         self._baked: Any = None  # a Baked; of volumes a BakedVolume
+        self._rays: int | None = None  # that "auto" came to
         self.colormap: str | None = None
         self.light_fixed_to = "object"
         self.use(look.function)
@@ -119,7 +124,7 @@ class Session:
             self.light = asked.lighting(self._lit_from, self.shape.kind)
         elif isinstance(self.light, Rig) and self.declared.lights == "one":
             self.light = self.light.lamps[0]
-        self._baked = None
+        self._baked = self._rays = None
 
     def set(self, **options: Any) -> None:
         """Change options of the method, or terrain's z_factor; None puts one back to its default.
@@ -138,7 +143,7 @@ class Session:
             for name, value in options.items()
         }
         self.options.update(check(self.function, wanted, self.method))
-        self._baked = None
+        self._baked = self._rays = None
 
     def raise_heights(self, z_factor: float) -> None:
         """Let terrain stand so many times as high as its ground; the eye stays before its place.
@@ -194,6 +199,8 @@ class Session:
         self.light = as_lighting(light, self.view, up=self.up, sampling=self._asked.sampling)
         self._lit_from = None
         self._baked = None
+        if has_environment(self.light):
+            self._rays = None
 
     def drag_light(self, drag: ArrayLike) -> None:
         """Turn the light by a drag to the right and up, in heights of the picture.
@@ -258,6 +265,7 @@ class Session:
         self.light = look.lighting(self.view, self.shape.kind)
         self.options.clear()
         self.options.update(look.options)
+        self._rays = None
         self.paint(look.colormap)
 
     def adopt(self, space: ScaleSpace, baked: Baked) -> None:
@@ -368,6 +376,24 @@ class Session:
         return look.replace(rays=rays) if look.options.get("rays") == AUTO_RAYS else look
 
     def _bake(self, space: ScaleSpace) -> Baked:
+        self.doing = "tracing rays"
+        try:
+            found = self._found(space)
+        finally:
+            self.doing = _SMOOTHING
+        if self.colormap is not None and found.intensity.ndim == 1:  # colours stay as they are
+            found.colors = color.encode(
+                found.intensity, linear=self.declared.linear, colormap=self.colormap
+            )
+            found.provenance["colormap"] = self.colormap
+        return found
+
+    def _found(self, space: ScaleSpace) -> Baked:
+        """Return the bake in grey; a light in hand keeps the number of rays that was found."""
+        options = self.settled().options
+        automatic = options.get("rays") == AUTO_RAYS
+        if automatic and self._rays is not None:
+            options = {**options, "rays": self._rays}
         found = bake(
             space,
             self.function,
@@ -376,13 +402,10 @@ class Session:
             up=self.up,
             two_sided=self._asked.two_sided,
             progress=self.progress,
-            **self.settled().options,
+            **options,
         )
-        if self.colormap is not None and found.intensity.ndim == 1:  # colours stay as they are
-            found.colors = color.encode(
-                found.intensity, linear=self.declared.linear, colormap=self.colormap
-            )
-            found.provenance["colormap"] = self.colormap
+        if automatic and found.look is not None and found.look.options["rays"] != AUTO_RAYS:
+            self._rays = found.look.options["rays"]
         return found
 
     @property

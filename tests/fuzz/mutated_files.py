@@ -10,10 +10,12 @@ from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
+from gltf_builder import Builder
 from height_seeds import height_seeds
 from volume_seeds import volume_seeds
 
 import meshdepict as md
+from meshdepict.images.encoded import encode
 from meshdepict.io import write_mesh
 from meshdepict.io.heightfields import read_heightfield
 from meshdepict.io.volumes import read_volume
@@ -39,6 +41,7 @@ def seeds(folder: Path) -> dict[str, bytes]:
     found["packed.ply.gz"] = gzip.compress(found["ball.ply"], mtime=0)
     found["ascii.stl"], found["binary.stl"] = _ascii_stl(ball), _binary_stl(ball)
     found["textured.obj"] = _textured_obj(ball)
+    found["textured.ply"], found["textured.glb"] = _textured_ply(ball), _textured_glb(ball)
     found["embedded.gltf"] = _gltf(found["ball.glb"])
     found |= _vtp(folder, found["quads.vtp"]) | volume_seeds(folder) | height_seeds(folder)
     md.save_recipe(folder / "look.toml", {"method": "exaggerated", "light": (30, 40)})
@@ -71,6 +74,10 @@ def open_file(path: Path) -> str:
     if shape.kind == "volume":
         assert np.isfinite(shape.range).all()
         return "volume"
+    if shape.textures is not None:
+        assert np.isfinite(shape.texcoords).all()
+        for texture in (*shape.textures.base_colors, *shape.textures.normal_maps):
+            assert texture is None or np.isfinite(texture.lookup([[0.3, 7.4]])).all()
     values = md.bake(shape, "exaggerated", scales=1).intensity
     assert np.isfinite(values).all()
     return "mesh"
@@ -139,6 +146,51 @@ def _textured_obj(mesh: md.Mesh) -> bytes:
     lines += ["vt 0.25 0.5", "vn 0 0 1"]
     lines += ["f {}/1/1 {}/1/1 \\\n {}/1/1".format(*(f + 1)) for f in mesh.faces]
     return "\n".join([*lines, ""]).encode()
+
+
+def _textured_ply(mesh: md.Mesh) -> bytes:
+    """Coordinates in elements of their own; the picture isn't there."""
+    rows = [
+        "ply", "format ascii 1.0", "comment TextureFile ball.png",
+        f"element vertex {len(mesh.vertices)}", *(f"property float {name}" for name in "xyz"),
+        f"element face {len(mesh.faces)}", "property list uchar int vertex_indices",
+        "element multi_texture_vertex 2", "property float u", "property float v",
+        f"element multi_texture_face {len(mesh.faces)}", "property uchar tx", "property uint tn",
+        "property list uchar int texture_vertex_indices", "end_header",
+    ]  # fmt: skip
+    rows += ["{:.6g} {:.6g} {:.6g}".format(*v) for v in mesh.vertices]
+    rows += ["3 {} {} {}".format(*f) for f in mesh.faces]
+    rows += ["0.25 0.5", "0.75 -0.5"]
+    rows += [f"0 {number} 3 0 1 0" for number in range(len(mesh.faces))]
+    return "\n".join([*rows, ""]).encode()
+
+
+def _textured_glb(mesh: md.Mesh) -> bytes:
+    """A picture, turned and scaled, with a depiction beside."""
+    build = Builder()
+    pixels = np.arange(48, dtype=np.uint8).reshape(4, 4, 3)
+    points = np.asarray(mesh.vertices)
+    build.mesh({
+        "attributes": {
+            "POSITION": build.accessor(points, "f4"),
+            "TEXCOORD_1": build.accessor(points[:, :2], "f4"),
+        },
+        "indices": build.accessor(mesh.faces.ravel(), "u2"),
+        "material": 0,
+    })  # fmt: skip
+    moved = {"rotation": 0.3, "scale": [0.5, 2], "texCoord": 1}
+    laid = {"index": 0, "extensions": {"KHR_texture_transform": moved}}
+    build.header |= {
+        "nodes": [{"mesh": 0}],
+        "images": [{"bufferView": build.view(encode(pixels)), "mimeType": "image/png"}],
+        "samplers": [{"wrapS": 33648}],
+        "textures": [{"source": 0, "sampler": 0}],
+        "materials": [{
+            "pbrMetallicRoughness": {"baseColorTexture": laid, "baseColorFactor": [1, 0.5, 0, 1]},
+            "normalTexture": {"index": 0, "texCoord": 1, "scale": 0.5},
+        }],
+    }  # fmt: skip
+    return build.glb()
 
 
 def _gltf(glb: bytes) -> bytes:

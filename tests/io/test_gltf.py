@@ -154,10 +154,12 @@ def test_what_is_lost_is_said(tmp_path, build):
     line = {"attributes": {"POSITION": build.accessor(POINTS, "f4")}, "mode": 1}
     build.mesh(build.tetrahedron(), line)
     build.header |= {"nodes": [{"mesh": 0}], "textures": [{}], "animations": [{}]}
-    said = "its textures are not kept, its animations are not kept, its points and lines are not"
-    with pytest.warns(MeshdepictWarning, match=said):
-        mesh = build.read(tmp_path)
+    mesh = build.read(tmp_path)
     np.testing.assert_array_equal(mesh.faces, FACES)
+    write_mesh(tmp_path / "kept.glb", mesh)
+    said = "textures, animations, points and lines are not kept: save as .glb to keep them"
+    with pytest.warns(MeshdepictWarning, match=said):
+        write_mesh(tmp_path / "lost.ply", mesh)
 
 
 def test_a_cycle_of_nodes_ends(tmp_path, build):

@@ -11,6 +11,7 @@ from meshdepict.drawing import display
 from meshdepict.errors import MeshdepictError
 from meshdepict.shading import METHODS
 from meshdepict.shapes.mesh import Mesh
+from meshdepict.viewer.live.live_shading import LiveShading
 from meshdepict.viewer.session import Session
 from meshdepict.viewer.windows import preview as preview_module
 from meshdepict.viewer.windows.camera import camera_view, same_sight
@@ -240,7 +241,7 @@ def test_methods_go_round_and_the_panel_follows(window, hand, session):
     assert session.method == names[(start + 1) % len(names)]
     hand.key("M")
     assert session.method == "lambert"
-    assert {*window.scenery.panel.names} == {"exposure", "shadows", "bounces", "rays"}
+    assert {*window.scenery.panel.names} == {"exposure", "shadows", "bounces", "rays", "denoise"}
 
 
 def test_colour_maps_and_views_go_round(window, hand, session):
@@ -576,3 +577,18 @@ def test_without_opengl_a_sentence_names_the_packages(monkeypatch):
 def test_show_with_keywords_is_a_plain_plot(session):
     baked = bake(session.shape, "lambert")
     assert baked.show(off_screen=True, window_size=(200, 200)) is None
+
+
+def test_shadows_and_bounces_are_painted_as_the_light_moves(ball, open_window, monkeypatch):
+    made = []
+    monkeypatch.setattr(LiveShading, "_made", lambda self, space: made.append(space))
+    session = Session(ball, "lambert", shadows=True, bounces=2, rays=16)
+    window = open_window(session, live=True)
+    assert "shadows=True" in window.object.why_baked
+    before = picture(window)
+    for _ in range(3):
+        window.pace.shading, window._took = 0.0, 0.0
+        window.turn_light(0.2, 0)
+        assert ("whole", "now") not in window.object._stale  # no need to wait for a rest
+    assert np.abs(picture(window, rest=False).astype(float) - before).mean() > 1
+    assert made == []  # no frame makes what can't be shown

@@ -65,10 +65,12 @@ class LiveLook:
     ) -> None:
         self._method, self._space = live_method(method), space
         self._colormap = colormap
-        self.actor = self._made(space)
         self._options: dict[str, Any] = {
             name: option.default for name, option in options_of(self._method.function).items()
         } | dict(Choices(self._method.function).of_kind(space.shape.kind).options)
+        # What can't be live is refused before anything is made: windows ask at every frame.
+        changed_options(self._method, self._options, options or {})
+        self.actor = self._made(space)
         self._view = as_view(view, space.shape)
         self._light = declaration(self._method.function).light if light is None else light
         # What the card has by now.

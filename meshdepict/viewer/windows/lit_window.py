@@ -314,10 +314,10 @@ class LitWindow:
             self.plotter.render_window.Render()
 
     def _progress(self, done: float, total: float) -> None:
-        """Show how far the smoothing is; in a tenth of the time at most."""
+        """Show how far the smoothing is, or the rays; in a tenth of the time at most."""
         now = time.perf_counter()
         if now - self._told > max(0.5, 10 * self.pace.drawing):
-            self.wait(f"smoothing normals: {done / total:.0%}")
+            self.wait(f"{self.session.doing}: {done / total:.0%}")
             self._told = time.perf_counter()
 
     def _set(self, name: str, value: float | str) -> None:
