@@ -18,7 +18,7 @@ from meshdepict.errors import MeshdepictError
 __all__ = ["texture"]
 
 
-@takes_words(without=("transfer", "refine", "z_factor"))
+@takes_words(without=("transfer", "refine", "ground", "z_factor"))
 def texture(
     mesh: Annotated[Path | None, Parameter(name="MESH")] = None,
     /,
