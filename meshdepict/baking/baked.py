@@ -251,7 +251,7 @@ class Baked(Depiction):
             raise MeshdepictError(f"an {self.shape.kind} is no surface: save it, or bake a mesh")
         return self.shape.mesh if isinstance(self.shape, HeightField) else self.shape
 
-    def save(self, path: str | Path, *, quantize: bool = False) -> Path:
+    def save(self, path: str | Path) -> Path:
         """Write the shape with its colours; the suffix decides the format.
 
         ``.html`` is a page of its own that turns, offline, in any browser; see `save_page`. An
@@ -259,12 +259,6 @@ class Baked(Depiction):
         on its raster, at its place on the map. Of other formats, everything the input file had is
         kept, and the materials and pictures that it names are copied along. An existing file is
         replaced, once the new one is complete.
-
-        Parameters
-        ----------
-        path : path
-        quantize : bool
-            Whether .glb and .gltf hold positions in 16 bits, where those are written anew.
 
         Raises
         ------
@@ -281,7 +275,7 @@ class Baked(Depiction):
             return save_page(self, path)
         from meshdepict.io import write_mesh
 
-        write_mesh(path, self.mesh, colors=self.colors, comments=self.comments, quantize=quantize)
+        write_mesh(path, self.mesh, colors=self.colors, comments=self.comments)
         return Path(path)
 
     def _save_relief(self, field: HeightField, path: Path) -> Path:

@@ -32,6 +32,7 @@ from meshdepict.drawing.framing import check_scale, frame
 from meshdepict.drawing.picture import save_picture
 from meshdepict.drawing.picture_files import PICTURES, check_picture, write_page
 from meshdepict.errors import MeshdepictError, MeshdepictWarning
+from meshdepict.io import write_mesh
 from meshdepict.io.folders import RASTERS
 from meshdepict.io.source import FORMATS, WRITABLE, suffix_of
 from meshdepict.options import Values, options_of
@@ -219,7 +220,7 @@ class Batch:
                 self._check_fit(shape, look)
             look = measured(look, self._seen(shape, look), self.figure if job.picture else None)
             baked = bake_on_ground(shape, look, progress=progress)
-            baked.save(job.output, quantize=self.quantize)
+            self._save(baked, job.output)
             if job.first:
                 job = self._show_first(baked, job, look)
             elif job.picture:
@@ -227,6 +228,14 @@ class Batch:
             for text in self._remarks(baked, job.output):
                 warnings.warn(text, MeshdepictWarning, stacklevel=2)
         return caption_of(job, baked, time.perf_counter() - start)
+
+    def _save(self, baked: Baked, path: Path) -> None:
+        if not self.quantize:
+            baked.save(path)
+            return
+        write_mesh(
+            path, baked.mesh, colors=baked.colors, comments=baked.comments, quantize=self.quantize
+        )
 
     def _show_first(self, baked: Baked, job: Job, look: Look) -> Job:
         """Draw before and after; where nothing can be drawn, leave the picture out with a note."""

@@ -107,9 +107,12 @@ def _sharp(shape: Shape) -> dict[str, str]:
 
 def _sampled_light(look: Choices, space: ScaleSpace) -> dict[str, str]:
     """Return how sure light is that was sampled by rays, of the look's own number."""
+    from meshdepict.shading.reached import USUAL_RAYS
+
     known = options_of(look.function)
     rays = look.options.get("rays", known["rays"].default if "rays" in known else 0)
-    error = space.light_errors.get(rays)
+    hidden = any(look.options.get(name) for name in ("shadows", "bounces"))
+    error = space.light_errors.get(rays or USUAL_RAYS) if hidden else None
     return {} if error is None else {"light error": f"{error:.2g} grey levels"}
 
 

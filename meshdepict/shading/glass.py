@@ -87,8 +87,8 @@ def through_glass(
     -------
     (n, 3) array, (n, 1) where nothing has a colour
     """
-    from meshdepict.transport.paths import turning
     from meshdepict.transport.rays import RaySet, lifted
+    from meshdepict.transport.walls import turning
 
     surface, own = space.own_surface, space.normals_at(0)
     normals = own if space.at_vertices else surface.normals

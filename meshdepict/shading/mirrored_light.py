@@ -24,6 +24,7 @@ FILTER = 0.5
 
 _AT_ONCE = 262_144  # rays whose light is looked up together: twenty megabytes
 _SPREAD = 0.25  # of a blur's variance over the solid angle that a ray stands for; see `lobes`
+_FARTHEST = 1e-7  # of a lobe lies beyond all rays
 _LAST = 0.98  # share of a lobe's rays up to which they stand for less than all that is left of it
 
 
@@ -96,8 +97,9 @@ def mirrored_light(
     -------
     (n, 3) array of float32
     """
-    from meshdepict.transport.paths import starting, turning
+    from meshdepict.transport.paths import starting
     from meshdepict.transport.rays import FIRST, RaySet, lifted
+    from meshdepict.transport.walls import turning
 
     if space.company is not None:
         space.company.hear_mirror(space)
@@ -136,8 +138,8 @@ def mirrored_light(
 
 def lobe_height(share: NDArray[Any], width: float) -> NDArray[Any]:
     """Return cosines to the axis of a von Mises–Fisher lobe, by how much of it is nearer."""
-    inner = np.asarray(share, np.float64)
-    return 1 + width**2 * np.log(1 - inner * -math.expm1(-2 / width**2))
+    outer = 1 - np.asarray(share, np.float64) * -math.expm1(-2 / width**2)
+    return np.maximum(1 + width**2 * np.log(np.maximum(outer, _FARTHEST)), -1)
 
 
 def lobe_blurs(width: float, rays: int) -> NDArray[np.float64]:
@@ -175,7 +177,8 @@ def _arriving(
     blurs: NDArray[np.float64],
 ) -> Single:
     """Return what comes (n, 3) along rays, every so many of which are blurred alike."""
-    from meshdepict.transport.paths import AWAY, between, mirrored_paths
+    from meshdepict.transport.paths import AWAY, mirrored_paths
+    from meshdepict.transport.walls import between
 
     surface, matt = scene.space.surface, scene.matt
     each = len(blurs)
