@@ -12,7 +12,7 @@ from typing import TypeVar
 
 from meshdepict.scales.light_errors import FoundRays
 from meshdepict.scales.space import ScaleSpace
-from meshdepict.transport.rays import MOST_RAYS
+from meshdepict.transport.rays import MOST_RAYS, ray_scene
 from meshdepict.transport.transfer import fits_memory
 
 __all__ = ["AUTO_RAYS", "AUTO_SECONDS", "FIRST_RAYS", "UNSEEN", "enough", "used_rays"]
@@ -51,6 +51,7 @@ def enough(space: ScaleSpace, sampled: Callable[[int], Result]) -> Result:
     sampled : callable
         Given a number of rays, keeps the error; nothing, where nothing was sampled.
     """
+    ray_scene(space.surface)  # grown once for all steps: it tells nothing of how long they take
     errors, rays, begun = space.light_errors, FIRST_RAYS, time.perf_counter()
     while True:
         errors.pop(rays, None)
