@@ -90,6 +90,7 @@ def through_glass(
     from meshdepict.transport.rays import RaySet, lifted
     from meshdepict.transport.walls import turning
 
+    # What stands beside a body has no walls of it.
     surface, own = space.own_surface, space.normals_at(0)
     normals = own if space.at_vertices else surface.normals
     colors = [light.color for light in lights if transmitted]

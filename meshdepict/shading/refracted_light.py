@@ -53,6 +53,7 @@ def refracted_light(
     from meshdepict.transport.rays import FIRST, RaySet, lifted
     from meshdepict.transport.walls import turning
 
+    # What stands beside a body has no walls of it.
     surface, own = space.own_surface, space.normals_at(0)
     normals = own if space.at_vertices else surface.normals
     points = surface.recentred(space.points)
