@@ -32,6 +32,28 @@ def sheet(heights: Heights, spacing: float) -> md.Mesh:
     return md.Mesh(points[there], new[cells[there[cells].all(axis=1)]], winding="keep")
 
 
+def vase(beside: md.Mesh) -> md.Mesh:
+    """Return a vase as high as an object, which stands behind its right side."""
+    low, high = beside.vertices.min(axis=0), beside.vertices.max(axis=0)
+    extent = high - low
+    along, turn = np.linspace(0, 1, 160), np.linspace(0, 2 * np.pi, 241)[:-1]
+    radius = extent[1] * (0.15 + 0.16 * np.sin(np.pi * (1.25 * along + 0.05)) ** 2)
+    points = np.stack(
+        [
+            np.outer(radius, np.cos(turn)),
+            np.outer(extent[1] * along, np.ones_like(turn)),
+            np.outer(radius, np.sin(turn)),
+        ],
+        axis=-1,
+    ).reshape(-1, 3)
+    ring, corner = np.mgrid[0 : len(along) - 1, 0 : len(turn)]
+    here, there = ring * len(turn), (ring + 1) * len(turn)
+    after = (corner + 1) % len(turn)
+    faces = np.stack([here + corner, there + corner, there + after, here + after], axis=-1)
+    place = [high[0] - 0.05 * extent[0], low[1], (low[2] + high[2]) / 2 - 1.1 * extent[2]]
+    return md.Mesh(points + place, faces.reshape(-1, 4))
+
+
 def manuscript(vertices: int, *, written: bool = True) -> md.Mesh:
     """Return a page that was folded in four and is not flat, letters embossed on it."""
     n = round(vertices**0.5)

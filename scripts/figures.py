@@ -19,6 +19,7 @@ from pathlib import Path
 
 import figures_es
 import figures_es_uses
+import figures_light
 import figures_lla
 import figures_lw
 import figures_rs
@@ -34,6 +35,7 @@ MODULES = (
     figures_lw,
     figures_rs,
     figures_lla,
+    figures_light,
 )  # importing them enters their figures
 
 

@@ -219,7 +219,8 @@ def _rehearse(one: _Object, progress: Progress | None) -> None:
     Of a blend the lowest layer speaks that has a matt material.
     """
     if isinstance(one.mesh, GroundPlane) and one.mesh.mirror:
-        return  # it sends no light to every side
+        one.place.company.mirrors.add(one.place.member)  # it sends no light to every side
+        return
     look = one.look.of_kind(MESH).replace(**sides_of(one.mesh))
     layers = [look.of_layer(layer).of_kind(MESH) for layer in reversed(look.layers)] or [look]
     speaks = next((each for each in layers if "bounces" in options_of(each.function)), None)

@@ -130,3 +130,18 @@ def test_the_command_takes_it(run, ball_ply):
     inked = np.flatnonzero((pixels < 250).any(axis=1))
     across = np.flatnonzero((pixels < 250).any(axis=0))
     assert np.ptp(inked) > 1.3 * np.ptp(across)  # the ball, and what is turned over below it
+
+
+def test_a_mirror_above_it_shows_what_it_turns_back():
+    """Light from above alone: below the horizon there is the sky once more, from the ground."""
+    half = np.zeros((32, 64, 3), np.float32)
+    half[:16] = (0.2, 0.3, 0.5)
+    mirror = {"material": "mirror", "magnitude": 0.0, "bounces": 2}
+    ball, sky = md.samples.sphere(2000), md.Environment(half)
+    alone, above = (
+        md.bake(ball, "radiance_scaling", light=sky, ground=ground, **mirror).intensity
+        for ground in (None, "mirror")
+    )
+    lower = (ball.vertices[:, 1] < -0.3) & (ball.vertices[:, 2] > 0.6)
+    assert not alone[lower].any()
+    np.testing.assert_allclose(above[lower], np.tile([0.2, 0.3, 0.5], (lower.sum(), 1)), rtol=0.05)
