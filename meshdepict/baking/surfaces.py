@@ -323,9 +323,11 @@ def _mesh_colors(mesh: Mesh) -> NDArray[np.uint8]:
     if found is None:
         found = vertex_colors(mesh, baked=baked)
     if found is None:
+        lacks = str(getattr(mesh.document, "lacks", ""))
+        lacks = f", and its file {lacks}" if lacks else ""
         raise MeshdepictError(
             "albedo='keep' needs the object's own vertex colours (red, green, blue) or a texture; "
-            "the mesh has " + ("only those of a former bake" if baked else "none")
+            "the mesh has " + ("only those of a former bake" if baked else "none") + lacks
         )
     return found
 

@@ -19,7 +19,7 @@ from meshdepict.io import text
 from meshdepict.io.obj_faces import parse_faces, parse_normals
 from meshdepict.io.obj_lines import Lines, joined, line_end, table
 from meshdepict.io.obj_materials import libraries, with_companions
-from meshdepict.io.obj_textures import obj_textures, texture_faults
+from meshdepict.io.obj_textures import library_faults, obj_textures, texture_faults
 from meshdepict.io.texture_files import texture_notes
 from meshdepict.shapes.colors import after_position
 from meshdepict.shapes.document import (
@@ -83,6 +83,12 @@ class ObjDocument(Document):
             return False
         held = (library.materials.values() for library in libraries(self.data, self.folder))
         return any(m.base or m.normal or m.bump for materials in held for m in materials)
+
+    @property
+    def lacks(self) -> str:
+        """The first library that can't be had, as a clause."""
+        faults = library_faults(libraries(self.data, self.folder))
+        return faults[0] if faults else ""
 
     @any_numbers()
     def textures(self, corners: NDArray[np.int64]) -> Textures | None:

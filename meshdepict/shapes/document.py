@@ -78,6 +78,11 @@ class Document:
         return ("textures",) if self.is_textured else ()
 
     @property
+    def lacks(self) -> str:
+        """What the file names and can't be had, a clause whose subject it is, "" for nothing."""
+        return ""
+
+    @property
     def is_textured(self) -> bool:
         """Whether the file lays pictures on its faces, be they there or not."""
         return False

@@ -5,7 +5,7 @@ from __future__ import annotations
 import warnings
 from collections.abc import Callable, Mapping
 from copy import copy
-from functools import cached_property
+from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -24,7 +24,13 @@ from meshdepict.surface.mesh_input import (
     checked_groups,
     place_strays,
 )
-from meshdepict.surface.polygons import FacesLike, as_polygons, polygon_corners, triangulate
+from meshdepict.surface.polygons import (
+    FacesLike,
+    Polygons,
+    as_polygons,
+    polygon_corners,
+    triangulate,
+)
 
 if TYPE_CHECKING:
     from meshdepict.shapes.document import Contents
@@ -238,9 +244,12 @@ class Mesh(Geometry):
     def rewound(self) -> Mesh:
         """Return the mesh with its faces themselves turned outwards; itself where they are.
 
-        Vertices, attributes, the order of the faces and the first corner of each stay. What else
-        the file held is left behind, texture coordinates with a warning.
+        Vertices, attributes, the order of the faces and the first corner of each stay, and so do
+        textures for shading. What else the file held is left behind, texture coordinates with a
+        warning: they are not saved.
         """
+        from meshdepict.shapes.turned_textures import turned_textures
+
         flipped = self.orientation.flipped
         if not flipped.any():
             return self
@@ -251,7 +260,7 @@ class Mesh(Geometry):
         areas = np.linalg.norm(np.cross(b - a, c - a), axis=1)
         count = len(polygons.offsets) - 1
         turned = np.bincount(self._owner, np.where(flipped, areas, -areas), minlength=count) > 0
-        return Mesh(
+        mesh = Mesh(
             self.vertices,
             polygons.reversed(turned),
             attributes=self.attributes,
@@ -259,6 +268,10 @@ class Mesh(Geometry):
             document=kept,
             length_unit=self.length_unit,
         )
+        numbers = Polygons(np.arange(len(polygons.connectivity)), polygons.offsets)
+        corner = numbers.reversed(turned).connectivity
+        mesh._textures = partial(turned_textures, self, mesh, corner)
+        return mesh
 
     def as_triangles(self) -> Mesh:
         """Return the mesh with the triangles that are shaded as its faces; itself if they are.
@@ -279,13 +292,14 @@ class Mesh(Geometry):
             winding=self.winding,
             document=self._provenance_alone("polygons become triangles"),
             length_unit=self.length_unit,
+            textures=partial(getattr, self, "textures"),
         )
 
     def _provenance_alone(self, where: str) -> Document | None:
         """Return what of its file's document fits other faces, too."""
         if not isinstance(self.document, Document):
             return None
-        if self.document.texcoords is not None:
+        if self.document.texcoords is not None or self.document.is_textured:
             warnings.warn(
                 f"texture coordinates are lost where {where}", MeshdepictWarning, stacklevel=3
             )

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 import trimesh
 
+import meshdepict as md
 from meshdepict.errors import MeshdepictError, MeshdepictWarning
 from meshdepict.images.encoded import encode
 from meshdepict.io import read_mesh, write_mesh
@@ -308,5 +309,8 @@ def test_a_library_that_is_missing_leaves_the_shape(home):
     (home / "square.mtl").unlink()
     mesh = read_mesh(home / "square.obj")
     assert mesh.textures is None
+    said = r"the mesh has none, and its file names the material library 'square\.mtl', which is not"
+    with pytest.raises(MeshdepictError, match=said):
+        md.bake(mesh, "lambert", albedo="keep")
     write_mesh(home / "baked.obj", mesh, colors=np.zeros((4, 3), np.uint8))
     assert "mtllib square.mtl" in (home / "baked.obj").read_text()

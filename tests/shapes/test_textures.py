@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pickle
 from dataclasses import replace
 
 import numpy as np
@@ -226,3 +227,26 @@ def test_parted_and_refined_meshes_keep_their_textures():
     colors = md.bake(mesh, "lambert", refine=1, albedo="keep").colors
     shares = [srgb_to_linear(each / 255) for each in (plain.colors, texture_colors(refined))]
     np.testing.assert_allclose(colors / 255, linear_to_srgb(shares[0] * shares[1]), atol=1.5 / 255)
+
+
+@pytest.mark.parametrize("polygons", [False, True])
+def test_turned_and_split_faces_keep_each_corners_place(polygons):
+    """A box that is inside out: coordinates are x and y, as they are of every corner."""
+    corners = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)], float)
+    quads = np.array(
+        [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]]
+    )
+    faces = quads if polygons else np.concatenate([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]])
+    bare = Mesh(corners, faces)
+    laid = textures(bare, texture(ramp()))
+    laid = replace(laid, material=np.arange(12) % 2 - 1 if not polygons else laid.material)
+    mesh = Mesh(corners, faces, textures=replace(laid, normal_texcoords=laid.texcoords * 2))
+    with pytest.warns(MeshdepictWarning, match="the mesh was inside out"):
+        assert mesh.orientation.flipped.all()
+    turned = mesh.rewound()
+    assert not turned.orientation.flipped.any()
+    for each in (turned, mesh.as_triangles(), turned.as_triangles()):
+        np.testing.assert_array_equal(each.texcoords, each.vertices[each.faces][..., :2])
+        np.testing.assert_array_equal(each.textures.normal_texcoords, 2 * each.texcoords)
+        np.testing.assert_array_equal(each.textures.material, laid.material)
+        assert pickle.loads(pickle.dumps(each)).textures.material.tolist() == [*laid.material]
