@@ -176,8 +176,6 @@ def texture_of(
         )
     if look.refine is not None:
         raise MeshdepictError("refine splits triangles, and texels need none split: leave it out")
-    if look.ground is not None:
-        raise MeshdepictError("a ground is what pictures show, and textures none: leave ground out")
     if cage is not None and detail is None:
         raise MeshdepictError("cage says how far away detail may be: give detail, too, or none")
     mesh = as_mesh(shape)

@@ -50,7 +50,7 @@ def enough(space: ScaleSpace, sampled: Callable[[int], Result]) -> Result:
     sampled : callable
         Given a number of rays, keeps the error; nothing, where nothing was sampled.
     """
-    from meshdepict.transport.transfer import fits_memory
+    from meshdepict.transport.transfer import fits_memory  # which loads numba
 
     ray_scene(space.surface)  # grown once for all steps: it tells nothing of how long they take
     errors, rays, begun = space.light_errors, FIRST_RAYS, time.perf_counter()
