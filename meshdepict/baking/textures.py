@@ -174,10 +174,6 @@ def texture_of(
             f"{as_text(max_memory())} of memory that are allowed: take a smaller --size, or allow "
             "more with --max-memory"
         )
-    if look.ground is not None:
-        raise MeshdepictError(
-            "ground is in pictures of a bake, and no texture shows it: leave it out"
-        )
     if look.refine is not None:
         raise MeshdepictError("refine splits triangles, and texels need none split: leave it out")
     if cage is not None and detail is None:

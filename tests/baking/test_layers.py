@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import meshdepict as md
-from meshdepict.baking import surfaces
+from meshdepict.baking import sampling
 from meshdepict.baking.choices import Choices
 from meshdepict.baking.combinations import COMBINATIONS
 from meshdepict.baking.layers import shared_ladders
@@ -92,13 +92,13 @@ def test_layers_of_other_ladders_look_as_they_do_alone(small, blend):
 
 def test_one_scale_space_serves_layers_that_read_the_same(small, monkeypatch):
     made = collections.Counter()
-    known = surfaces.scale_space
+    known = sampling.scale_space
 
     def counted(*given, scales, ratio, **more):
         made[scales] += 1
         return known(*given, scales=scales, ratio=ratio, **more)
 
-    monkeypatch.setattr(surfaces, "scale_space", counted)
+    monkeypatch.setattr(sampling, "scale_space", counted)
     baked = md.bake(small, blend="slope,mean_curvature,radiance_scaling,exaggerated")
     assert made == {9: 1}
     assert baked.space.last == 9
