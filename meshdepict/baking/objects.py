@@ -119,12 +119,6 @@ def bake_objects(
         if isinstance(baked.shape, GroundPlane) and baked.shape.mirror:
             shown[number] = mirrored_picture(baked, bakes)
             bakes[number] = mirrored(baked, bakes)
-    for number, baked in enumerate(bakes):
-        others = [mesh.identity for other, mesh in enumerate(meshes) if other != number]
-        if others:
-            baked.provenance["together"] = f"with {'; '.join(others)}"
-        if looks[0].ground is not None:
-            baked.provenance["ground"] = looks[0].ground
     ground = None if looks[0].ground is None else bakes.pop()
     return BakedTogether(bakes, shown, eye, ground=ground)
 

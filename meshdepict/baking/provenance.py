@@ -55,6 +55,7 @@ def describe(look: Choices, space: ScaleSpace, *, light: Lighting) -> dict[str, 
         "albedo": look.albedo,
         **({"sides": "the one that is seen"} if look.two_sided else {}),
         space.shape.kind: space.shape.identity,
+        **_beside(space),
     }
 
 
@@ -92,6 +93,22 @@ def comment_lines(provenance: Mapping[str, str]) -> list[str]:
 def was_baked(mesh: Mesh) -> bool:
     """Whether a mesh's red, green and blue are those of a former bake."""
     return isinstance(mesh.document, Document) and bool(mesh.document.provenance)
+
+
+def _beside(space: ScaleSpace) -> dict[str, str]:
+    """Return what else stands where rays go: other objects, and a ground."""
+    from meshdepict.shapes.ground_plane import GroundPlane
+
+    meshes = () if space.company is None else space.company.surface.meshes
+    grounds = [mesh for mesh in meshes if isinstance(mesh, GroundPlane)]
+    others = [
+        mesh.identity for number, mesh in enumerate(meshes)
+        if number != space.member and mesh not in grounds
+    ]  # fmt: skip
+    found = {"together": f"with {'; '.join(others)}"} if others else {}
+    if grounds:
+        found["ground"] = "mirror" if grounds[0].mirror else "matt"
+    return found
 
 
 def _sharp(shape: Shape) -> dict[str, str]:
