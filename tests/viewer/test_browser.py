@@ -318,6 +318,21 @@ def test_another_method_brings_its_own_controls(page):
     assert page.tab.js("document.querySelectorAll('.option').length") > 2
 
 
+def test_a_word_stands_in_place_of_a_number_until_a_slider_moves(page):
+    page.after(lambda: page.set("method", "lambert", "change"))
+    page.after(lambda: page.set("option-shadows", "true", "change"))
+    page.after(lambda: page.set("option-bounces", 1))
+    said = "document.querySelector('output[for=option-rays]').innerText"
+    button = "getComputedStyle(document.getElementById('auto-rays')).display"
+    assert page.tab.js(said).strip() == "64"
+    page.after(lambda: page.click("auto-rays"))
+    page.tab.wait(f"{said}.trim() === 'auto'")
+    page.tab.wait(f"{button} === 'none'")
+    page.after(lambda: page.set("option-rays", 32))
+    page.tab.wait(f"{said}.trim() === '32'")
+    assert page.tab.js(button) != "none"
+
+
 def test_the_light_follows_the_pad_and_the_keys(page):
     x, y, width, height = page.tab.js(
         "(b => [b.x, b.y, b.width, b.height])"

@@ -586,8 +586,8 @@ def test_shadows_and_bounces_are_painted_as_the_light_moves(ball, open_window, m
     window = open_window(session, live=True)
     assert "shadows=True" in window.object.why_baked
     before = picture(window)
-    for _ in range(3):
-        window.pace.shading, window._took = 0.0, 0.0
+    for shading in (0.0, 2 * window.pace.budget, 0.0):
+        window.pace.shading, window._took = shading, 0.0
         window.turn_light(0.2, 0)
         assert ("whole", "now") not in window.object._stale  # no need to wait for a rest
     assert np.abs(picture(window, rest=False).astype(float) - before).mean() > 1

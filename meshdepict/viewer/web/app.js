@@ -63,7 +63,8 @@
                 :aria-label="'Default of ' + control.label" title="back to the default"
                 @click="option(control, null)">↺</button>
               <button v-for="word in control.words" v-show="control.word !== word" :key="word"
-                type="button" class="undo" :title="control.label + ': ' + word"
+                type="button" class="undo" :id="word + '-' + control.name"
+                :title="control.label + ': ' + word"
                 @click="option(control, word)">{{ word }}</button>
               <output :for="'option-' + control.name">{{ said(control) }}</output>
             </span>

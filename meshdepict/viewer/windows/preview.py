@@ -48,6 +48,11 @@ class Pace:
         return self.shading + self.drawing <= self.budget
 
     @property
+    def shades_in_time(self) -> bool:
+        """Whether what has no stand-in can be shaded without the hand's noticing a halt."""
+        return self.shading <= 3 * self.budget
+
+    @property
     def coarse_keeps_up(self) -> bool:
         """Whether a coarse stand-in can be shaded without the hand's noticing a halt."""
         return self.coarse_shading <= 3 * self.budget

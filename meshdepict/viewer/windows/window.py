@@ -40,7 +40,7 @@ class Window(LitWindow):
         pace = self.pace
         coarse = not (pace.keeps_up if recolored else pace.draws_in_time)
         if coarse and not self.object.has_stand_in:
-            self.draw(fresh=not recolored or pace.shading <= pace.budget, moving=True)
+            self.draw(fresh=not recolored or pace.shades_in_time, moving=True)
         else:
             self.draw(coarse=coarse, fresh=not coarse or pace.coarse_keeps_up, moving=True)
 
