@@ -5,13 +5,14 @@ from __future__ import annotations
 import threading
 import warnings
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from meshdepict.baking.texture_choices import ATLASES
 from meshdepict.errors import MeshdepictError, MeshdepictWarning
+from meshdepict.shapes.own_texcoords import own_texcoords
 from meshdepict.surface.texels import Claims, TexelGrid
 from meshdepict.threads import each
 
@@ -122,30 +123,25 @@ def atlas_of(mesh: Mesh, size: int, kind: str | None = None) -> Atlas:
 
 def _own(mesh: Mesh, *, asked: bool) -> Floats | None:
     """Return the file's own coordinates; None where it has none and nobody asked for them."""
-    textures: Any = mesh.textures
-    none = "the mesh has no texture coordinates: leave --atlas own out, and triangles get some"
-    if textures is None:
+    found = own_texcoords(mesh)
+    if found is None or not found[1].any():
         if asked:
-            raise MeshdepictError(none)
+            raise MeshdepictError(
+                "the mesh has no texture coordinates: leave --atlas own out, and triangles get some"
+            )
         return None
-    own: Floats = textures.texcoords
-    lacking = (textures.material < 0) & (own == 0).all(axis=(1, 2))
-    if lacking.all():
-        if asked:
-            raise MeshdepictError(none)
-        return None
-    if lacking.any():
+    own, placed = found
+    if not placed.all():
         raise MeshdepictError(
-            f"{np.count_nonzero(lacking):,} of {len(own):,} triangles have no texture coordinates, "
-            f"the first is {int(lacking.argmax()):,}: let a new atlas be made (--atlas new)"
+            f"{np.count_nonzero(~placed):,} of {len(own):,} triangles have no texture coordinates, "
+            f"the first is {int(placed.argmin()):,}: let a new atlas be made (--atlas new)"
         )
     return own
 
 
 def _overlapping(mesh: Mesh, how: str) -> str:
     """Return what is wrong with triangles that share texels, and what can be done."""
-    textures: Any = mesh.textures
-    materials = len(np.unique(textures.material))
+    materials = 1 if mesh.textures is None else len(np.unique(mesh.textures.material))
     whose = "mirrored or repeated parts share texels"
     if materials > 1:
         whose = f"its {materials} materials, or mirrored or repeated parts, share texels"

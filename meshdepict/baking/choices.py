@@ -148,6 +148,12 @@ class Choices(ChoiceList):
         return () if self.blend is None else as_layers(self.blend)
 
     @property
+    def bounces(self) -> bool:
+        """Whether light bounces."""
+        layers = [self.of_layer(layer) for layer in self.layers] or [self]
+        return any(each.options.get("bounces") for each in layers)
+
+    @property
     def title(self) -> str:
         """What pictures and files are named after: the method, or what its blend is called."""
         return self.method if self.blend is None else blend_name(self.blend)

@@ -13,7 +13,7 @@ from meshdepict.baking import volumes
 from meshdepict.baking.baked import Baked
 from meshdepict.baking.baked_together import BakedTogether
 from meshdepict.baking.choices import Choices, takes_choices
-from meshdepict.baking.objects import OF_THE_SCENE, bake_objects, bake_on_ground
+from meshdepict.baking.objects import OF_THE_SCENE, bake_objects, bake_on_ground, with_own
 from meshdepict.baking.recipe import load_recipe, save_recipe
 from meshdepict.baking.volumes import BakedVolume
 from meshdepict.errors import MeshdepictError
@@ -111,7 +111,8 @@ def bake_together(
     shapes : iterable
         Of each object a path, Mesh, pyvista.PolyData or trimesh.Trimesh; or of one with a look of
         its own a pair: that, and choices and options by name,
-        ``(mesh, {"method": "phong", "diffuse": 0.3})``.
+        ``(mesh, {"method": "phong", "diffuse": 0.3})``. Shadows, bounces and rays of all objects
+        are also those of another method.
     method, progress, **chosen
         As for `bake`.
 
@@ -140,7 +141,7 @@ def bake_together(
                 raise MeshdepictError(
                     f"{name} of object {number} is all objects': give it to bake_together itself"
                 )
-    looks = [look.replace(**own) if own else look for _, own in pairs]
+    looks = [with_own(look, own) for _, own in pairs]
     return bake_objects([shape for shape, _ in pairs], looks, progress=progress)
 
 

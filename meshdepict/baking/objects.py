@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from typing import Any, TypeVar
 
@@ -28,16 +28,27 @@ from meshdepict.scales.company import Company
 from meshdepict.scales.ladder import Progress
 from meshdepict.scales.space import ScaleSpace
 from meshdepict.scene.shape import one_of
+from meshdepict.shading.registry import find_method
 from meshdepict.shapes.ground_plane import GroundPlane, ground_under
 from meshdepict.shapes.joined import JoinedMesh
 from meshdepict.shapes.mesh import Mesh
 
-__all__ = ["OF_THE_SCENE", "bake_objects", "bake_on_ground", "scene_look", "scene_meshes"]
+__all__ = [
+    "OF_THE_SCENE",
+    "bake_objects",
+    "bake_on_ground",
+    "scene_look",
+    "scene_meshes",
+    "with_own",
+]
 
 Look = TypeVar("Look", bound=Choices)
 
 OF_THE_SCENE = ("light", "sampling", "view", "up", "ground")
 """Choices that all objects of a scene share."""
+
+_OF_LIGHT = ("shadows", "bounces", "rays")
+"""Options that methods share: how light goes through a scene."""
 
 _SMALL = 1 / 300  # of the scene: rays start off it by a three hundredth of its size
 
@@ -108,14 +119,20 @@ def bake_objects(
         if isinstance(baked.shape, GroundPlane) and baked.shape.mirror:
             shown[number] = mirrored_picture(baked, bakes)
             bakes[number] = mirrored(baked, bakes)
-    for number, baked in enumerate(bakes):
-        others = [mesh.identity for other, mesh in enumerate(meshes) if other != number]
-        if others:
-            baked.provenance["together"] = f"with {'; '.join(others)}"
-        if looks[0].ground is not None:
-            baked.provenance["ground"] = looks[0].ground
     ground = None if looks[0].ground is None else bakes.pop()
     return BakedTogether(bakes, shown, eye, ground=ground)
+
+
+def with_own(look: Look, own: Mapping[str, Any]) -> Look:
+    """Return the look of an object that has choices and options of its own."""
+    if not own:
+        return look
+    method = find_method(own.get("method", look.function))
+    shared = {
+        name: look.options[name] for name in _OF_LIGHT
+        if name in look.options and name in options_of(method)
+    }  # fmt: skip
+    return look.replace(**{**shared, **own})
 
 
 def scene_meshes(meshes: Sequence[Mesh], look: Choices) -> list[Mesh]:
@@ -211,8 +228,14 @@ def _rehearse(one: _Object, progress: Progress | None) -> None:
     tints = None
     if look.albedo == "keep":
         tints = surface_tints(one.mesh, own_colors(one.mesh))
-    place = one.place
+    place, bounces = one.place, max(1, int(speaks.options.get("bounces", 0)))
     space = sampled(one.mesh, speaks, place.eye, speaks.ladder, tints=tints, place=place)
     space.smooth(speaks.reads(space.last).sets, progress=progress)
-    with place.company.rehearsal():
-        speaks.settled(space).shade(space, speaks.lighting(place.eye, MESH), place.eye)
+    look = speaks.settled(space).replace(bounces=bounces)  # others may ask for some
+    with place.company.rehearsal(), suppress(*_silent(speaks)):
+        look.shade(space, speaks.lighting(place.eye, MESH), place.eye)
+
+
+def _silent(look: Choices) -> tuple[type[Exception], ...]:
+    """Return what an object is silent about that has no bounces itself: that it can't have any."""
+    return () if look.options.get("bounces") else (MeshdepictError,)

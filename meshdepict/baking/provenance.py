@@ -55,6 +55,7 @@ def describe(look: Choices, space: ScaleSpace, *, light: Lighting) -> dict[str, 
         "albedo": look.albedo,
         **({"sides": "the one that is seen"} if look.two_sided else {}),
         space.shape.kind: space.shape.identity,
+        **_beside(space),
     }
 
 
@@ -94,6 +95,22 @@ def was_baked(mesh: Mesh) -> bool:
     return isinstance(mesh.document, Document) and bool(mesh.document.provenance)
 
 
+def _beside(space: ScaleSpace) -> dict[str, str]:
+    """Return what else stands where rays go: other objects, and a ground."""
+    from meshdepict.shapes.ground_plane import GroundPlane
+
+    meshes = () if space.company is None else space.company.surface.meshes
+    grounds = [mesh for mesh in meshes if isinstance(mesh, GroundPlane)]
+    others = [
+        mesh.identity for number, mesh in enumerate(meshes)
+        if number != space.member and mesh not in grounds
+    ]  # fmt: skip
+    found = {"together": f"with {'; '.join(others)}"} if others else {}
+    if grounds:
+        found["ground"] = "mirror" if grounds[0].mirror else "matt"
+    return found
+
+
 def _sharp(shape: Shape) -> dict[str, str]:
     """Return which normals were not computed from all that meets at a vertex."""
     from meshdepict.shapes.parted import PartedMesh
@@ -107,9 +124,12 @@ def _sharp(shape: Shape) -> dict[str, str]:
 
 def _sampled_light(look: Choices, space: ScaleSpace) -> dict[str, str]:
     """Return how sure light is that was sampled by rays, of the look's own number."""
+    from meshdepict.shading.reached import USUAL_RAYS
+
     known = options_of(look.function)
     rays = look.options.get("rays", known["rays"].default if "rays" in known else 0)
-    error = space.light_errors.get(rays)
+    hidden = any(look.options.get(name) for name in ("shadows", "bounces"))
+    error = space.light_errors.get(rays or USUAL_RAYS) if hidden else None
     return {} if error is None else {"light error": f"{error:.2g} grey levels"}
 
 

@@ -24,7 +24,9 @@ from meshdepict.scales.chosen_samples import ChosenSamples
 from meshdepict.scales.gathered import GatheredSamples
 from meshdepict.scales.height_scales import HeightSpace, height_space
 from meshdepict.scales.ladder import Progress, check_ladder, ladder
+from meshdepict.scales.light_errors import FoundRays
 from meshdepict.scales.reads import Reads
+from meshdepict.shading.sampled import AUTO_RAYS
 from meshdepict.shapes.height_field import HeightField, window_of
 from meshdepict.shapes.lengths import resolve_width
 from meshdepict.shapes.raster_extent import RasterExtent
@@ -130,7 +132,10 @@ class Relief:
             self.look = look.replace(blend=settled.blend, scales=chosen.scales, ratio=chosen.ratio)
         if look.tint is not None:
             self.look = self.look.replace(tint=spanned_tint(look.tint, self._span))
+        found = self._find_rays()
         self.provenance = describe(self.look, typical, light=self._light)
+        if found is not None:
+            self.provenance["rays auto"] = str(found)
         if look.z_factor != 1:
             self.provenance["z factor"] = f"{look.z_factor:g}"
         self.kind, self.bands = self._looks()
@@ -195,6 +200,22 @@ class Relief:
                 shown = part.colors[..., 0] if kind == "gray" else part.colors
                 out.write(part.rows, part.columns, part.values if values else shown, part.valid)
         return Path(path)
+
+    def _find_rays(self) -> FoundRays | None:
+        """Find how many rays it takes, if that is asked: what has rays is one window."""
+        looks = [self.look] if self._layered is None else self._layered.looks
+        if all(each.options.get("rays") != AUTO_RAYS for each in looks):
+            return None
+        field = self._field(next(iter(self.cut.windows())))
+        if field is None:
+            return None
+        space = self._space(field)
+        if self._layered is None:
+            self.look = self.look.with_rays(space, self._light, self.eye)
+            return space.light_errors.found
+        spaces = dict.fromkeys(self._layered.ladders, space)
+        self.look = self.look.replace(blend=self._layered.find_rays(spaces, self.eye).blend)
+        return None
 
     # --- one window -------------------------------------------------------------------------
 

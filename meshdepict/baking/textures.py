@@ -17,7 +17,7 @@ from meshdepict.baking.look import Look
 from meshdepict.baking.provenance import describe
 from meshdepict.baking.sample_shading import SampleShading
 from meshdepict.baking.sheets import warn_of_backs
-from meshdepict.baking.surfaces import as_mesh, with_choices
+from meshdepict.baking.surfaces import as_mesh, own_colors, surface_tints, with_choices
 from meshdepict.baking.texel_painting import normal_painter, own_texel_colors, shading_painter
 from meshdepict.baking.texel_sampling import Ladder, TexelSampling, usable_normal_maps
 from meshdepict.baking.texture_choices import MAPS, MOST_TEXELS, SIZE
@@ -174,6 +174,10 @@ def texture_of(
             f"{as_text(max_memory())} of memory that are allowed: take a smaller --size, or allow "
             "more with --max-memory"
         )
+    if look.ground is not None:
+        raise MeshdepictError(
+            "ground is in pictures of a bake, and no texture shows it: leave it out"
+        )
     if look.refine is not None:
         raise MeshdepictError("refine splits triangles, and texels need none split: leave it out")
     if cage is not None and detail is None:
@@ -238,12 +242,16 @@ class _Texture:
         ladders = {*shading.ladders}
         if self.map_kind == "normal":
             ladders = {(self.chosen.scales or 0, look.ladder[1])}
+        tints = None
+        if look.albedo == "keep" and look.bounces:
+            tints = surface_tints(shaded, own_colors(shaded))
         spaces: dict[Ladder, ScaleSpace] = {}
         for ladder in ladders:
             spaces[ladder] = space = scale_space(
                 shaded, scales=ladder[0], ratio=ladder[1], width=look.width, facing=look.facing,
                 tolerance=look.tolerance, view=shading.eye, at_once=(),
             )  # fmt: skip
+            space.tints = tints  # what bounces has them at vertices
             if self.map_kind == "normal":
                 space.smooth((space.last,), progress=progress)
             else:

@@ -95,7 +95,7 @@ class TogetherBatch(Batch):
             look = measured(look, scene, figure)
             bakes = bake_objects(meshes, [look] * len(meshes), progress=progress)
             for job, baked in zip(jobs, bakes, strict=True):
-                baked.save(job.output)
+                self._save(baked, job.output)
             if picture is not None:
                 save_picture(bakes.scene, picture, figure)
         seconds = time.perf_counter() - start

@@ -18,7 +18,7 @@ from meshdepict.errors import MeshdepictError
 __all__ = ["texture"]
 
 
-@takes_words(without=("transfer", "refine", "z_factor"))
+@takes_words(without=("transfer", "refine", "ground", "z_factor"))
 def texture(
     mesh: Annotated[Path | None, Parameter(name="MESH")] = None,
     /,
@@ -105,9 +105,15 @@ def texture(
     facts = [
         "" if map_kind != "color" or not wanted.lit else f"light {baked.provenance['light']}",
         fitted_text(baked.look) if map_kind == "color" else "",
-        "" if scales == "0" else f"{scales.partition(', ratio')[0].replace(',', ' scales,', 1)}",
+        "" if scales == "0" else _scales(scales),
         f"{size:,} x {size:,} texels",
         f"{time.perf_counter() - start:.1f} s",
     ]
     shown = baked.look.title if map_kind == "color" else f"map of {map_kind}"
     say(f"{output}: {shown}, {', '.join(filter(None, facts))}")
+
+
+def _scales(said: str) -> str:
+    """Return what provenance says of scales in fewer words."""
+    count, _, rest = said.partition(", ratio")[0].partition(", ")
+    return f"{count} scale{'s' * (count != '1')}, {rest}"

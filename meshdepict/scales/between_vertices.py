@@ -6,7 +6,7 @@ import numpy as np
 
 from meshdepict.threads import kernel
 
-__all__ = ["unit_between"]
+__all__ = ["bends_between", "unit_between"]
 
 _SHORT = 1e-12  # squared length of a mean of unit vectors that cancel
 
@@ -39,3 +39,38 @@ def unit_between(vectors, corners, weights, out, begin, end):  # type: ignore[no
             squared = x * x + y * y + z * z
         length = np.sqrt(squared)
         out[0, i], out[1, i], out[2, i] = x / length, y / length, z / length
+
+
+@kernel("contracted")
+def bends_between(k1, k2, d1, d2, corners, weights, a, b, out, begin, end):  # type: ignore[no-untyped-def]
+    """Interpolate shape operators; take their parts in tangent planes.
+
+    Parameters
+    ----------
+    k1, k2 : (v,) array
+        Principal curvatures of the vertices.
+    d1, d2 : (v, 3) array
+        Their directions.
+    corners, weights : (n, 3) arrays
+        Vertices and barycentric coordinates.
+    a, b : (n, 3) array
+        Axes of the samples' tangent planes.
+    out : (3, n) array
+        The numbers aa, ab and bb of each; filled in from sample ``begin`` to before ``end``.
+    """
+    for i in range(begin, end):
+        aa = ab = bb = 0.0
+        for corner in range(3):
+            vertex = corners[i, corner]
+            for which in range(2):
+                k = k1[vertex] if which == 0 else k2[vertex]
+                along = across = 0.0
+                for axis in range(3):
+                    direction = d1[vertex, axis] if which == 0 else d2[vertex, axis]
+                    along += direction * a[i, axis]
+                    across += direction * b[i, axis]
+                bend = weights[i, corner] * k
+                aa += bend * along * along
+                ab += bend * along * across
+                bb += bend * across * across
+        out[0, i], out[1, i], out[2, i] = aa, ab, bb

@@ -67,11 +67,14 @@ class Company:
         What rays can meet.
     sendings : {int: Sending}
         By the number of the object.
+    mirrors : set of int
+        The objects that are mirrors.
     """
 
     def __init__(self, meshes: Sequence[Mesh]) -> None:
         self.surface = JoinedMesh(meshes)
         self.sendings: dict[int, Sending] = {}
+        self.mirrors: set[int] = set()
         self._normals: list[NDArray[Any]] = [mesh.normals for mesh in meshes]
         self._listening = False
         self._transfers: dict[tuple[int, int], Transfer | Retraced] = {}
@@ -94,9 +97,30 @@ class Company:
             return
         tinted = albedo if space.tints is None else np.float32(albedo) * space.tints
         self.sendings[space.member] = Sending(tinted, gathering)
+        self._end(space)
+
+    def hear_mirror(self, space: Samples) -> None:
+        """Take down that an object is a mirror in a rehearsal, and end that."""
+        if self._listening:
+            self.mirrors.add(space.member)
+            self._end(space)
+
+    def _end(self, space: Samples) -> None:
         if space.at_vertices:
             self._normals[space.member] = space.normals_at(0)
         raise Rehearsed
+
+    @property
+    def normals(self) -> NDArray[Any]:
+        """(v, 3) unit normals of all vertices, as they are shaded."""
+        return np.concatenate(self._normals)
+
+    @property
+    def mirror_faces(self) -> NDArray[np.bool_]:
+        """Of each triangle, whether its object is a mirror."""
+        known = (number in self.mirrors for number in range(len(self.surface.meshes)))
+        counts = [len(mesh.faces) for mesh in self.surface.meshes]
+        return np.repeat([*known], counts)
 
     def transport(
         self, rays: int, member: int, *, progress: Progress | None = None
@@ -116,7 +140,7 @@ class Company:
         from meshdepict.transport.retraced import transfer_of
 
         return transfer_of(
-            self.surface, normals=np.concatenate(self._normals), rays=rays,
+            self.surface, normals=self.normals, rays=rays,
             part=self.surface.parts[member], how=how, progress=progress,
         )  # fmt: skip
 

@@ -143,17 +143,20 @@ class InterpolatedSpace(ScaleSpace):
 
     def _principal(self, scale: int) -> PrincipalCurvatures:
         """Interpolate the shape operators and take their part in the tangent plane."""
+        from meshdepict.scales.between_vertices import bends_between
+
         k1, k2, d1, d2 = self.source.curvature(scale)
         normal = self.normals_at(scale).astype(np.float64)
         a = tangents(normal)
         b = np.cross(normal, a)
-        aa = ab = bb = np.zeros(len(normal))
-        for corner, weight in zip(self._corners.T, self._weights.T, strict=True):
-            for k, d in ((k1, d1), (k2, d2)):
-                along, across = (np.einsum("ni,ni->n", d[corner], axis) for axis in (a, b))
-                bend = weight * k[corner]
-                aa, ab, bb = aa + bend * along**2, ab + bend * along * across, bb + bend * across**2
-        return bent(a, b, aa, ab, bb)
+        count, found = len(normal), np.empty((3, len(normal)))
+        each(
+            lambda start, stop: bends_between(
+                k1, k2, d1, d2, self._corners, self._weights, a, b, found, start, stop
+            ),
+            spans(count, thread_count() if count > _MANY else 1),
+        )
+        return bent(a, b, *found)
 
     def _turns(self, scale: int) -> NDArray[np.float32]:
         return self.source.crease_cosines(scale)[self._corners].min(axis=1)

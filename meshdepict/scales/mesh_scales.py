@@ -149,8 +149,10 @@ class MeshSpace(ScaleSpace):
     def _open(self, rays: int) -> Openness:
         from meshdepict.transport.occlusion import ambient_openness
 
-        at = None if self.company is None else (self.points, self.shape.normals)
-        return ambient_openness(self.surface, at=at, rays=rays)
+        if self.company is not None:
+            at = self.points, self.shape.normals
+            return ambient_openness(self.surface, at=at, rays=rays)
+        return ambient_openness(self.shape, rays=rays)
 
 
 def mesh_space(

@@ -198,6 +198,28 @@ class ScaleSpace(ReliefSamples):
         return self.surface
 
     @property
+    def surface_normals(self) -> NDArray[Any]:
+        """(v, 3) unit normals of the vertices of `surface`, as they are shaded."""
+        if self.company is not None:
+            return self.company.normals
+        return self.normals_at(0) if self.at_vertices else self.surface.normals
+
+    def of_surface(self, values: NDArray[Any]) -> NDArray[Any]:
+        """Return values of the vertices of `surface` (v, …) at the samples (n, …)."""
+        own = values
+        if self.company is not None:
+            own = values[self.company.surface.parts[self.member]]
+        return self.of_vertices(own)
+
+    def on_surface(self, values: NDArray[Any]) -> NDArray[Any]:
+        """Return values of the vertices of `own_surface` at those of `surface`, 0 elsewhere."""
+        if self.company is None:
+            return values
+        found = np.zeros((len(self.surface.vertices), *values.shape[1:]), values.dtype)
+        found[self.company.surface.parts[self.member]] = values
+        return found
+
+    @property
     def vertex_space(self) -> ScaleSpace:
         """Samples at the vertices of the surface that these lie on; themselves if they are those.
 
@@ -252,9 +274,10 @@ class ScaleSpace(ReliefSamples):
         leaving = USUAL if how is None else how
         if self.company is not None:
             return self.company.traced(rays, self.member, leaving, progress=self.progress)
-        surface = self.surface
-        normals = self.normals_at(0) if self.at_vertices else surface.normals
-        return transfer_of(surface, normals=normals, rays=rays, how=leaving, progress=self.progress)
+        return transfer_of(
+            self.surface, normals=self.surface_normals, rays=rays, how=leaving,
+            progress=self.progress,
+        )  # fmt: skip
 
     def traced_once(
         self, name: str, key: tuple[Any, ...], rays: int, how: Callable[[], Leaving]

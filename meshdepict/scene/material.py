@@ -120,14 +120,14 @@ class Toon(_Checked):
 
 @dataclass(frozen=True)
 class Mirror(_Checked):
-    """Reflects an environment, blurred where rough."""
+    """Reflects an environment, blurred where rough; with bounces also what stands before it."""
 
     roughness: Annotated[float, Range(0, 1.5, unit="rad", help="width of the lobe")] = 0.0
 
 
 @dataclass(frozen=True)
 class Refractive(_Checked):
-    """Shows an environment through one refraction, as thin solid glass would."""
+    """Shows an environment through one refraction, or with bounces through a body and its walls."""
 
     refraction: Annotated[float, Range(1, 10, help="index behind over before the surface")] = 1.5
     roughness: Annotated[float, Range(0, 1.5, unit="rad", help="width of the lobe")] = 0.0

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from meshdepict.scene.environment import Environment
 from meshdepict.scene.light import Light
+from meshdepict.shading.first_light import along, first_light, skies_and_lamps
 from meshdepict.shading.gathering import Gathers
 from meshdepict.transport.radiosity import sent_on
 from meshdepict.transport.shadows import seen_share
@@ -21,19 +22,15 @@ __all__ = ["sent_together"]
 
 Single = NDArray[np.float32]
 
-Start = Callable[..., Single]
-
 
 def sent_together(
     company: Company,
     lights: Sequence[Light],
-    skies: Sequence[Environment],
-    lamps: Sequence[Light],
+    environments: Sequence[Environment],
     *,
     shadows: bool,
     bounces: int,
     rays: int,
-    start: Start,
 ) -> Single:
     """Return what the vertices of all objects send on, (v,) or (v, 3), before the last bounce.
 
@@ -42,25 +39,17 @@ def sent_together(
     Parameters
     ----------
     company : Company
-    lights, lamps : sequences of Light
-        Given, and found in environments.
-    skies : sequence of Environment
-        Without their lamps.
-    shadows, bounces, rays
+    lights, environments, shadows, bounces, rays
         As for `reached`.
-    start : callable (gathering, inner, normals, falling, lit) → E_0
-        What lights, skies and lamps give vertices that see shares of lights and of lamps.
     """
     key = (
         tuple((*light.direction, *light.color, light.spread) for light in lights),
-        tuple(map(id, skies)), shadows, bounces, rays,
+        tuple(map(id, environments)), shadows, bounces, rays,
     )  # fmt: skip
 
     def find() -> tuple[Single, Sequence[Environment]]:
-        found = _sent(
-            company, lights, lamps, shadows=shadows, bounces=bounces, rays=rays, start=start
-        )
-        return found, skies  # which keep their number as long as the key is known
+        found = _sent(company, lights, environments, shadows=shadows, bounces=bounces, rays=rays)
+        return found, environments  # which keep their number as long as the key is known
 
     sent, _ = company.once(key, find)
     return np.asarray(sent, np.float32)
@@ -69,14 +58,14 @@ def sent_together(
 def _sent(
     company: Company,
     lights: Sequence[Light],
-    lamps: Sequence[Light],
+    environments: Sequence[Environment],
     *,
     shadows: bool,
     bounces: int,
     rays: int,
-    start: Start,
 ) -> Single:
     surface = company.surface
+    skies, lamps = skies_and_lamps(environments)
     parts: list[tuple[slice, Gathers]] = []
     starts: list[tuple[slice, Single, Any]] = []
     for member, (albedo, gathering) in company.sendings.items():
@@ -90,16 +79,16 @@ def _sent(
 
         falling = [seen(light) if shadows else None for light in lights]
         lit = [seen(lamp) for lamp in lamps]
-        inner = gathering.along(transfer)
-        part = surface.parts[member]
-        parts.append((part, inner))
-        starts.append((part, start(gathering, inner, at[1], falling, lit), albedo))
+        inner = along(gathering, transfer)
+        start = first_light(gathering, inner, at[1], (lights, falling), skies, (lamps, lit))
+        parts.append((surface.parts[member], inner))
+        starts.append((surface.parts[member], start, albedo))
     count = len(surface.vertices)
-    coloured = any(direct.ndim == 2 or np.ndim(albedo) == 2 for _, direct, albedo in starts)
+    coloured = any(start.ndim == 2 or np.ndim(albedo) == 2 for _, start, albedo in starts)
     light = np.zeros((count, 3) if coloured else count, np.float32)
     reflected = np.zeros((count, 3) if coloured else count, np.float32)
-    for part, direct, albedo in starts:
-        light[part] = direct[:, None] if direct.ndim < light.ndim else direct
+    for part, start, albedo in starts:
+        light[part] = start[:, None] if start.ndim < light.ndim else start
         reflected[part] = albedo
     return sent_on(_Together(parts, count), light, albedo=reflected, bounces=bounces)
 

@@ -87,10 +87,11 @@ def through_glass(
     -------
     (n, 3) array, (n, 1) where nothing has a colour
     """
-    from meshdepict.transport.paths import turning
     from meshdepict.transport.rays import RaySet, lifted
+    from meshdepict.transport.walls import turning
 
-    surface, own = space.surface, space.normals_at(0)
+    # What stands beside a body has no walls of it.
+    surface, own = space.own_surface, space.normals_at(0)
     normals = own if space.at_vertices else surface.normals
     colors = [light.color for light in lights if transmitted]
     gray = all(np.ptp(color) == 0 for color in colors)

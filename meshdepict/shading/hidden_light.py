@@ -24,10 +24,11 @@ from meshdepict.scene.material import (
 )
 from meshdepict.scene.vectors import cosines
 from meshdepict.shading.direct import direct, kernel_parameters
+from meshdepict.shading.first_light import added
 from meshdepict.shading.lobe_samples import LobeSamples
 from meshdepict.shading.lobes import lobe_samples
 from meshdepict.shading.material_kinds import PHONG
-from meshdepict.shading.reached import Reached, added
+from meshdepict.shading.reached import Reached
 
 __all__ = ["albedo", "hidden_direct", "matt", "refuse_unhidden"]
 

@@ -99,8 +99,7 @@ def _summed(space: ScaleSpace, samples: LobeSamples, met: list[_Met], light: Sin
     from meshdepict.transport.paths import HIDDEN, mirrored_paths, starting
     from meshdepict.transport.rays import lifted
 
-    surface, own = space.surface, space.normals_at(0)
-    normals = own if space.at_vertices else surface.normals
+    surface, own, normals = space.surface, space.normals_at(0), space.surface_normals
     points = surface.recentred(space.points)
     lifts = lifted(points, own)
     matt = np.zeros(len(surface.faces), bool)

@@ -13,6 +13,7 @@ from meshdepict.scales.space import ScaleSpace
 from meshdepict.scene.light import Light
 from meshdepict.scene.names import LightLike, as_light
 from meshdepict.scene.vectors import cosines
+from meshdepict.shading.first_light import added
 from meshdepict.shading.method import Exposure, exposed, method
 from meshdepict.shading.reached import (
     USUAL_RAYS,
@@ -20,7 +21,6 @@ from meshdepict.shading.reached import (
     Denoise,
     LightRays,
     Shadows,
-    added,
     ray_count,
     reached,
 )

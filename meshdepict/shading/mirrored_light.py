@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from meshdepict.scales.space import ScaleSpace
 from meshdepict.scene.environment import Environment
+from meshdepict.shading.company_light import sent_together
 from meshdepict.threads import spans
 
 __all__ = ["FILTER", "Matt", "lobe_blurs", "lobe_height", "mirrored_light"]
@@ -23,6 +24,7 @@ FILTER = 0.5
 
 _AT_ONCE = 262_144  # rays whose light is looked up together: twenty megabytes
 _SPREAD = 0.25  # of a blur's variance over the solid angle that a ray stands for; see `lobes`
+_FARTHEST = 1e-7  # of a lobe lies beyond all rays
 _LAST = 0.98  # share of a lobe's rays up to which they stand for less than all that is left of it
 
 
@@ -87,6 +89,7 @@ def mirrored_light(
     rays : int
         In the lobe.
     matt : Matt, optional
+        Of a surface by itself all is mirror unless given; of what stands together each says so.
     scaled : a function and a (v,) array, optional
         Light (k, 3) as a mirror of curvature (k,) scales it, and the curvature of the vertices.
 
@@ -94,13 +97,16 @@ def mirrored_light(
     -------
     (n, 3) array of float32
     """
-    from meshdepict.transport.paths import starting, turning
+    from meshdepict.transport.paths import starting
     from meshdepict.transport.rays import FIRST, RaySet, lifted
+    from meshdepict.transport.walls import turning
 
-    surface, own = space.surface, space.normals_at(0)
-    normals = own if space.at_vertices else surface.normals
-    apart = surface.edge_length / (surface.diagonal or 1.0)
-    bent = np.asarray(space.of_vertices(turning(surface, normals)), np.float32)
+    if space.company is not None:
+        space.company.hear_mirror(space)
+        matt = matt or _beside(space, environment, shadows=shadows, bounces=bounces, rays=rays)
+    surface, own, normals = space.surface, space.normals_at(0), space.surface_normals
+    apart = space.own_surface.edge_length / (surface.diagonal or 1.0)
+    bent = np.asarray(space.of_surface(turning(surface, normals)), np.float32)
     scene = _Mirrors(
         space, environment, normals, apart, 2 * bent * np.float32(apart), roughness, bounces,
         shadows, matt, scaled,
@@ -132,8 +138,8 @@ def mirrored_light(
 
 def lobe_height(share: NDArray[Any], width: float) -> NDArray[Any]:
     """Return cosines to the axis of a von Mises–Fisher lobe, by how much of it is nearer."""
-    inner = np.asarray(share, np.float64)
-    return 1 + width**2 * np.log(1 - inner * -math.expm1(-2 / width**2))
+    outer = 1 - np.asarray(share, np.float64) * -math.expm1(-2 / width**2)
+    return np.maximum(1 + width**2 * np.log(np.maximum(outer, _FARTHEST)), -1)
 
 
 def lobe_blurs(width: float, rays: int) -> NDArray[np.float64]:
@@ -141,6 +147,20 @@ def lobe_blurs(width: float, rays: int) -> NDArray[np.float64]:
     share = np.minimum((np.arange(rays) + 0.5) / rays, _LAST)
     solid = 2 * math.pi * width**2 / (rays * (1 - share))
     return np.minimum(np.sqrt(_SPREAD * solid), width / 2)
+
+
+def _beside(
+    space: ScaleSpace, environment: Environment, *, shadows: bool, bounces: int, rays: int
+) -> Matt:
+    """Return what is matt of all that stands together, and sends on light of the environment."""
+    company = space.company
+    assert company is not None
+    sent = np.zeros(len(company.surface.vertices), np.float32)
+    if bounces:
+        sent = sent_together(
+            company, [], [environment], shadows=shadows, bounces=bounces, rays=rays
+        )
+    return Matt(company.mirror_faces, sent)
 
 
 def _kept_above(directions: Single, normals: Single) -> Single:
@@ -157,7 +177,8 @@ def _arriving(
     blurs: NDArray[np.float64],
 ) -> Single:
     """Return what comes (n, 3) along rays, every so many of which are blurred alike."""
-    from meshdepict.transport.paths import AWAY, between, mirrored_paths
+    from meshdepict.transport.paths import AWAY, mirrored_paths
+    from meshdepict.transport.walls import between
 
     surface, matt = scene.space.surface, scene.matt
     each = len(blurs)

@@ -10,11 +10,9 @@ from numpy.typing import ArrayLike, NDArray
 from meshdepict.color.srgb import linear_to_srgb
 from meshdepict.errors import MeshdepictError
 from meshdepict.options import Choice, Range
-from meshdepict.scales.reads import Reads
 from meshdepict.scales.space import ScaleSpace
 from meshdepict.scene.material import (
     LitSphere,
-    Material,
     Mirror,
     Refractive,
     ambient_term,
@@ -35,7 +33,6 @@ from meshdepict.shading.features import (
     Parameter,
     Scale,
     Scaling,
-    bends,
     convexity,
     curved,
     eyes,
@@ -43,17 +40,10 @@ from meshdepict.shading.features import (
 from meshdepict.shading.gathering import PLAIN, Gathering
 from meshdepict.shading.hidden_light import albedo, hidden_direct, refuse_unhidden
 from meshdepict.shading.method import Exposure, exposed, method
-from meshdepict.shading.reached import (
-    USUAL_RAYS,
-    Bounces,
-    Denoise,
-    Reached,
-    Shadows,
-    ray_count,
-    reached,
-)
+from meshdepict.shading.reached import USUAL_RAYS, Bounces, Denoise, Reached, Shadows, reached
 from meshdepict.shading.sampled import AUTO_RAYS, used_rays
 from meshdepict.shading.scaling_equation import LEAST_INVARIANT, scaling
+from meshdepict.shading.scaling_reads import scaling_bends, scaling_reads
 from meshdepict.shading.surroundings import (
     as_environment,
     gathered,
@@ -70,55 +60,9 @@ Single = NDArray[np.float32]
 _BRIGHTEST = np.float32(1e10)  # that is scaled again, by e^60 at most, where light is mirrored
 
 
-def _reads(
-    last: int,
-    *,
-    material: str | Material,
-    curvature: str,
-    scale: int,
-    gain: float | None,
-    illumination: str,
-    shadows: bool,
-    bounces: int,
-    rays: int | str,
-    roughness: float | None,
-    **options: Any,
-) -> Reads:
-    """Return the shape's own normals, with what scales light, and rays if they are wanted."""
-    shown = as_material(material)
-    lit = not isinstance(shown, (LitSphere, Mirror, Refractive))
-    hidden = ray_count(shadows=shadows, bounces=bounces, rays=rays or USUAL_RAYS)
-    rays = 0 if isinstance(rays, str) else rays  # which precomputed light refuses
-    gathered = {"occlusion": rays or 256, "irradiance": rays}.get(illumination, hidden)
-    if not lit:  # a smooth mirror has one ray, a painting none
-        rough = isinstance(shown, (Mirror, Refractive)) and (roughness or shown.roughness)
-        gathered = 0 if isinstance(shown, LitSphere) else int(shadows or bounces > 0)
-        gathered *= (rays or USUAL_RAYS) if rough else 1
-    own = Reads(normals=frozenset((0,)), rays=gathered)
-    return own | bends(scale, curvature) if _bends(shown, gain, **options) else own
-
-
-def _bends(
-    material: Material,
-    gain: float | None,
-    *,
-    magnitude: float,
-    ambient_magnitude: float | None,
-    diffuse_magnitude: float | None,
-    specular_magnitude: float | None,
-    warping: float,
-    **_: Any,
-) -> bool:
-    """Whether curvature has any weight."""
-    own = (ambient_magnitude, diffuse_magnitude, specular_magnitude)
-    scaled = any(magnitude if each is None else each for each in own)
-    mixed = isinstance(material, LitSphere) and material.concave is not None
-    return gain != 0 and bool(scaled or warping or mixed)
-
-
 @method(
     scales=1,
-    reads=_reads,
+    reads=scaling_reads,
     linear=True,
     lights="several",
     needs=("curvature",),
@@ -251,7 +195,7 @@ def radiance_scaling(
     chosen, eye, frames = curved(
         space, view, material, curvature=curvature, scale=scale, gain=gain,
         foreshortening=foreshortening,
-        needed=_bends(
+        needed=scaling_bends(
             as_material(material), gain, magnitude=magnitude, ambient_magnitude=ambient_magnitude,
             diffuse_magnitude=diffuse_magnitude, specular_magnitude=specular_magnitude,
             warping=warping,
@@ -291,7 +235,7 @@ def radiance_scaling(
 
         on_the_way = None
         if enhance == "all" and bounces and frames is not None and gamma_s:
-            on_the_way = mirrored, bend_of_vertices()
+            on_the_way = mirrored, space.on_surface(bend_of_vertices())
         shown = seen(
             space, light, eye, chosen, frames, warping, shadows=shadows, bounces=bounces,
             rays=used_rays(space, rays or USUAL_RAYS), scaled=on_the_way,

@@ -25,6 +25,13 @@ from meshdepict.scales.space import ScaleSpace
 from meshdepict.scene.environment import Environment
 from meshdepict.scene.light import Light
 from meshdepict.shading.company_light import sent_together
+from meshdepict.shading.first_light import (
+    added,
+    along,
+    first_light,
+    from_skies,
+    skies_and_lamps,
+)
 from meshdepict.shading.gathering import PLAIN, Gathering, Gathers, fallen
 from meshdepict.shading.sampled import AUTO_RAYS, FIRST_RAYS, enough
 from meshdepict.shading.smoothed_light import calmed
@@ -32,8 +39,7 @@ from meshdepict.transport.radiosity import sent_on
 from meshdepict.transport.rays import AGAIN, MOST_RAYS, probed
 
 if TYPE_CHECKING:
-    from meshdepict.transport.retraced import Retraced
-    from meshdepict.transport.transfer import Transfer
+    pass
 
 __all__ = [
     "USUAL_RAYS",
@@ -42,7 +48,6 @@ __all__ = [
     "LightRays",
     "Reached",
     "Shadows",
-    "added",
     "ray_count",
     "reached",
 ]
@@ -200,27 +205,18 @@ def _sampled(
             for light in lights
         )
     inside = gathering if gathering.everywhere else PLAIN  # for what is sent on
-    first = _along(gathering, transfer)
-    from meshdepict.transport.sky_cells import parted_sky
-
-    parts = [parted_sky(environment) for environment in environments]
-    skies, lamps = [sky for sky, _ in parts], [lamp for _, some in parts for lamp in some]
+    first = along(gathering, transfer)
+    skies, lamps = skies_and_lamps(environments)
     lit = space.seen_from_vertices(lamps) if lamps else ()
     shone = fallen(gathering, at[1], lamps, lit)
-    by_rays = _sky(first, skies)
+    by_rays = from_skies(first, skies)
     around = added(by_rays, shone)
     sent: Single | None = None
     if bounces:
-
-        def start(one: Gathering, inner: Gathers, normals: Any, *shares: Sequence[Any]) -> Single:
-            direct = added(fallen(one, normals, lights, shares[0]), _sky(inner, skies))
-            return added(direct, fallen(one, normals, lamps, shares[1]))
-
         if space.company is not None:
             sent = sent_together(
-                space.company, lights, skies, lamps,
-                shadows=shadows, bounces=bounces, rays=rays, start=start,
-            )  # fmt: skip
+                space.company, lights, environments, shadows=shadows, bounces=bounces, rays=rays
+            )
         else:
             if inside is gathering:
                 inner: Gathers = first
@@ -230,9 +226,10 @@ def _sampled(
                 inner = (
                     first
                     if bounces == 1 and not skies
-                    else _along(inside, inside.traced(space, rays))
+                    else along(inside, inside.traced(space, rays))
                 )
-                light = start(inside, inner, at[1], falling, lit)
+                seen_lights, seen_lamps = (lights, falling), (lamps, lit)
+                light = first_light(inside, inner, at[1], seen_lights, skies, seen_lamps)
             reflected = albedo if space.tints is None else np.float32(albedo) * space.tints
             sent = sent_on(inner, light, albedo=reflected, bounces=bounces)
         brought = first.from_surface(sent)
@@ -240,7 +237,7 @@ def _sampled(
     if probes := transfer.probes:
         chosen = probes.chosen
         own = gathering.at(chosen)
-        second = _along(own, probes.transfer, again=True)
+        second = along(own, probes.transfer, again=True)
         places = transfer.points[chosen], transfer.normals[chosen]
         known: Shares = tuple(share if share is None else share[chosen] for share in falling)
         others: Shares = known
@@ -248,7 +245,7 @@ def _sampled(
             others = tuple(
                 space.seen_share(each, rays=rays, at=places, steps=AGAIN) for each in lights
             )
-        again = added(_sky(second, skies), shone[chosen])
+        again = added(from_skies(second, skies), shone[chosen])
         if sent is not None:
             again = added(again, second.from_surface(sent))
         tints = None if sent is None or space.tints is None else space.tints[chosen]
@@ -273,31 +270,6 @@ def _sampled(
             around = around if calm is by_rays else added(calm, shone)
         space.light_errors[rays] = whole
     return Reached(seen, space.of_vertices(around).astype(np.float32), sent)
-
-
-def _along(gathering: Gathering, transfer: Transfer | Retraced, *, again: bool = False) -> Gathers:
-    """Return what gathers light along rays, kept or not."""
-    from meshdepict.transport.retraced import InParts, Retraced
-
-    if not isinstance(transfer, Retraced):
-        return gathering.along(transfer, again=again)
-    return InParts(transfer, lambda part, here: gathering.at(here).along(part, again=again))
-
-
-def _sky(transfer: Gathers, environments: Sequence[Environment]) -> Single:
-    """Return what comes from environments; in colour where one of them has any."""
-    total = np.zeros(len(transfer), np.float32)
-    for environment in environments:
-        sky = transfer.from_sky(environment)
-        total = added(total, sky[:, 0] if environment.gray else sky)
-    return total
-
-
-def added(one: Single, other: Single) -> Single:
-    """Return the sum of two results, in colour where either is."""
-    if one.ndim == other.ndim:
-        return one + other
-    return one + other[:, None] if one.ndim == 2 else one[:, None] + other
 
 
 def _tinted(shown: NDArray[Any], tints: Single) -> NDArray[Any]:

@@ -49,10 +49,12 @@ def refracted_light(
         Of a rough one's lobe; a smooth one has a single ray.
     """
     from meshdepict.transport.inner_paths import inner_paths
-    from meshdepict.transport.paths import starting, turning
+    from meshdepict.transport.paths import starting
     from meshdepict.transport.rays import FIRST, RaySet, lifted
+    from meshdepict.transport.walls import turning
 
-    surface, own = space.surface, space.normals_at(0)
+    # What stands beside a body has no walls of it.
+    surface, own = space.own_surface, space.normals_at(0)
     normals = own if space.at_vertices else surface.normals
     points = surface.recentred(space.points)
     lifts = lifted(points, own)

@@ -12,8 +12,7 @@ from typing import TypeVar
 
 from meshdepict.scales.light_errors import FoundRays
 from meshdepict.scales.space import ScaleSpace
-from meshdepict.transport.rays import MOST_RAYS
-from meshdepict.transport.transfer import fits_memory
+from meshdepict.transport.rays import MOST_RAYS, ray_scene
 
 __all__ = ["AUTO_RAYS", "AUTO_SECONDS", "FIRST_RAYS", "UNSEEN", "enough", "used_rays"]
 
@@ -51,6 +50,9 @@ def enough(space: ScaleSpace, sampled: Callable[[int], Result]) -> Result:
     sampled : callable
         Given a number of rays, keeps the error; nothing, where nothing was sampled.
     """
+    from meshdepict.transport.transfer import fits_memory  # which loads numba
+
+    ray_scene(space.surface)  # grown once for all steps: it tells nothing of how long they take
     errors, rays, begun = space.light_errors, FIRST_RAYS, time.perf_counter()
     while True:
         errors.pop(rays, None)

@@ -14,9 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshdepict.threads import kernel
-from meshdepict.transport.paths import farthest
 from meshdepict.transport.rays import AHEAD, OFFSET, ray_scene
-from meshdepict.transport.walls import walls_of
+from meshdepict.transport.walls import farthest, walls_of
 
 if TYPE_CHECKING:
     from meshdepict.shapes.mesh import Mesh

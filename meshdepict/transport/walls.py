@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING, Any, NamedTuple
 from weakref import WeakKeyDictionary
 
@@ -9,11 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshdepict.surface.openings import open_faces
+from meshdepict.threads import kernel
 
 if TYPE_CHECKING:
     from meshdepict.shapes.mesh import Mesh
 
-__all__ = ["Walls", "walls_of"]
+__all__ = ["Walls", "between", "farthest", "turning", "walls_of"]
 
 Single = NDArray[np.float32]
 
@@ -63,3 +65,32 @@ def walls_of(mesh: Mesh) -> Walls:
             array.setflags(write=False)
         _known[mesh] = found
     return _known[mesh]
+
+
+def between(values: NDArray[Any], faces: NDArray[Any], weights: NDArray[Any]) -> NDArray[Any]:
+    """Return values of vertices (v, …) within triangles (k, 3), by weights (k, 2)."""
+    second, third = weights[:, 0], weights[:, 1]
+    shares = np.stack([np.maximum(1 - second - third, 0), second, third], axis=1)
+    return np.einsum("kc,kc...->k...", shares.astype(values.dtype), values[faces])
+
+
+def turning(mesh: Mesh, normals: NDArray[Any]) -> Single:
+    """Return how far normals (v, 3) turn about each vertex, in radians per diagonal: (v,)."""
+    walls = walls_of(mesh)
+    corners = np.asarray(normals, np.float32)[walls.faces]
+    steps = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(axis=1)
+    each_one = np.repeat(steps / np.where(walls.sizes > 0, walls.sizes, 1), 3)
+    at = walls.faces.ravel()
+    total, many = (np.bincount(at, w, len(walls.points)) for w in (each_one, None))
+    return (total / np.maximum(many, 1)).astype(np.float32)
+
+
+@kernel()
+def farthest(normals, a, b, c):  # type: ignore[no-untyped-def]
+    """Return the longest distance between two of three normals."""
+    ab = bc = ca = np.float32(0)
+    for axis in range(3):
+        ab += (normals[b, axis] - normals[a, axis]) ** 2
+        bc += (normals[c, axis] - normals[b, axis]) ** 2
+        ca += (normals[a, axis] - normals[c, axis]) ** 2
+    return math.sqrt(max(ab, bc, ca))

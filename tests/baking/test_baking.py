@@ -261,7 +261,7 @@ def test_saved_and_read_again_it_is_the_same(small, tmp_path, suffix):
         (
             "lambert",
             {"exaggeration": 3},
-            "no option 'exaggeration' (its options: shadows, bounces, rays, exposure)",
+            "no option 'exaggeration' (its options: shadows, bounces, rays, denoise, exposure)",
         ),
         ("lambert", {"colormap": "seppia"}, "no colour map 'seppia'; did you mean 'sepia'?"),
         ("lambert", {"albedo": "mine"}, "albedo='mine' is neither 'keep' nor 'none'"),
@@ -305,3 +305,12 @@ def test_what_others_hold_that_is_no_mesh(shape, sentence):
 def test_a_file_that_is_not_there(tmp_path):
     with pytest.raises(MeshdepictError, match=r"nothing.ply: there is no such file"):
         bake(tmp_path / "nothing.ply")
+
+
+@pytest.mark.parametrize(
+    "method", ["lambert", "phong", "radiance_scaling", "light_warping", "light_alignment"]
+)
+def test_how_sure_light_that_bounces_is_stands_in_what_is_baked_and_nowhere_else(method):
+    bounced = bake(samples.torus(600), method, light="northwest", bounces=1)
+    assert bounced.provenance["light error"].endswith(" grey levels")
+    assert "light error" not in bake(bounced.space, method, light="northwest").provenance

@@ -175,6 +175,8 @@ def test_what_has_no_ground_says_so(run, ball_ply):
         md.bake(md.GBuffer.of(ball_ply, "front", size=(20, 20)), ground="matt")
     with pytest.raises(MeshdepictError, match="ground is about a mesh, and this is a height field"):
         md.bake(md.HeightField(np.eye(4)), ground="matt")
+    with pytest.raises(MeshdepictError, match="ground is in pictures of a bake, and no texture"):
+        md.bake_texture(ball_ply, "lambert", ground="matt", size=64)
     status, _, err = run("movie", "ball.ply", "--ground", "-o", "a.gif")
     assert status == 2
     assert "--ground" in err[0]

@@ -5,6 +5,7 @@ import pytest
 
 import meshdepict as md
 from meshdepict import HeightField, MeshdepictError
+from meshdepict.baking.layer_list import Layer
 from meshdepict.baking.look import Look
 from meshdepict.baking.relief import Relief
 from meshdepict.heights.spread_cells import typical_cells, typical_places
@@ -219,3 +220,16 @@ def test_widths_of_the_whole_are_those_of_a_bake(kind, width):
     assert len(relief.cut) > 1
     assert np.array_equal(relief.widths, baked.space.widths)
     assert np.array_equal(shaded(relief)[0], field.image(baked.colors))
+
+
+def test_rays_that_were_found_are_recorded_and_those_of_the_bake(rng, monkeypatch):
+    monkeypatch.setattr("meshdepict.shading.sampled.AUTO_SECONDS", 1e3)
+    field, options = HeightField(3 * rng.random((20, 30))), {"shadows": True, "bounces": 1}
+    relief = Relief(field, Look("lambert", rays="auto", **options))
+    number = relief.look.options["rays"]
+    assert f"rays={number}" in relief.provenance["options"].split()
+    assert relief.provenance["rays auto"].startswith(f"{number}, ")
+    assert number == md.bake(field, "lambert", rays="auto", **options).look.options["rays"]
+    layers = Layer("lambert", options={**options, "rays": "auto"}), Layer("slope")
+    blended = Relief(field, Look(blend=layers))
+    assert blended.look.layers[0].options["rays"] == number

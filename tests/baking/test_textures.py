@@ -345,9 +345,11 @@ def test_more_than_memory_holds_is_refused(monkeypatch):
         bake_texture(globe(4), size=4096)
 
 
-def test_refining_and_a_cage_without_detail_are_refused():
+def test_refining_a_ground_and_a_cage_without_detail_are_refused():
     with pytest.raises(MeshdepictError, match="refine splits triangles"):
         bake_texture(globe(4), size=64, refine=2)
+    with pytest.raises(MeshdepictError, match="ground is in pictures of a bake"):
+        bake_texture(globe(4), size=64, ground="matt")
     with pytest.raises(MeshdepictError, match="cage says how far away detail may be"):
         bake_texture(globe(4), size=64, cage="1%")
 

@@ -312,15 +312,99 @@ def test_what_does_not_stand_together_is_refused(torus):
         md.bake_together([torus, (torus, {"albedo": "keep"})], "lambert")
 
 
-def test_more_rays_than_memory_holds_are_refused(torus, globe):
+def test_rays_that_memory_does_not_hold_are_traced_again(torus, globe):
+    options = {"light": SIDE, "bounces": 2, "rays": 256, "shadows": True}
+    kept = md.bake_together([torus, globe], "lambert", **options)
     try:
-        limits.set_max_memory("1MB")
-        with pytest.raises(MeshdepictError, match=r"rays=1024 from .* samples may take"):
-            md.bake_together([torus, globe], "lambert", bounces=1, rays=1024)
+        limits.set_max_memory("2MB")
+        again = md.bake_together([torus, globe], "lambert", **options)
     finally:
         limits.set_max_memory(None)
+    assert type(again[0].space.transport(256)) is not type(kept[0].space.transport(256))
+    for one, other in zip(kept, again, strict=True):
+        np.testing.assert_array_equal(one.intensity, other.intensity)
 
 
 def test_an_object_much_smaller_than_its_scene_is_said(torus, globe):
     with pytest.warns(MeshdepictWarning, match="object 2 is 0.003 of the scene: light between"):
         md.bake_together([torus, moved(globe, (1100, 0, 0))], "lambert")
+
+
+# --- mirrors among them -----------------------------------------------------------------------
+
+
+@pytest.fixture
+def evenly():
+    return Environment(np.full((16, 32, 3), 0.4, np.float32))
+
+
+def mirrored_into(ball, centre):
+    """Which vertices of a mirror ball turn the front's rays to a unit ball, and which past it."""
+    normals = ball.vertices
+    away = 2 * normals[:, 2:] * normals - np.array((0.0, 0, 1))
+    along = np.einsum("ij,ij->i", np.array(centre) - ball.vertices, away)
+    past = np.linalg.norm(np.array(centre) - ball.vertices - along[:, None] * away, axis=1)
+    seen = normals[:, 2] > 0.1
+    return seen & (past < 0.9) & (along > 0), seen & ((past > 1.1) | (along < 0))
+
+
+MIRROR = {"method": "radiance_scaling", "material": "mirror", "magnitude": 0.0}
+
+
+def test_a_mirror_alone_is_its_bake(torus, evenly):
+    own = {"material": "mirror", "shadows": True, "bounces": 2, "light": evenly, "scales": 2}
+    own["exposure"] = 0.5
+    plain = md.bake(torus, "radiance_scaling", **own)
+    [alone] = md.bake_together([torus], "radiance_scaling", **own)
+    np.testing.assert_array_equal(alone.colors, plain.colors)
+
+
+def test_a_mirror_shows_what_stands_beside_it_in_its_colours(evenly):
+    red = md.samples.sphere(600)
+    tint = {"red": np.full(len(red.vertices), 255, np.uint8)}
+    tint["green"] = tint["blue"] = np.zeros(len(red.vertices), np.uint8)
+    red = md.Mesh(red.vertices + np.array((2.5, 0, 0)), red.faces, attributes={"vertex": tint})
+    ball = md.samples.sphere(600)
+    options = {"light": evenly, "bounces": 2, "rays": 64, "view": "front"}
+    mirror, matt = md.bake_together(
+        [(ball, MIRROR), (red, {"albedo": "keep", **MATT, "diffuse": 1.0})], "phong", **options
+    )
+    shown = mirror.intensity.astype(float)
+    reddish = shown[:, 0] - shown[:, 1] > 0.2
+    met, missed = mirrored_into(ball, (2.5, 0, 0))
+    assert reddish[met].all()
+    assert not reddish[missed].any()
+    np.testing.assert_allclose(shown[missed], 0.4, rtol=0.01)
+    # What it shows there is what the other one sends: its light of the sky, in its colour.
+    assert shown[reddish, 0].max() <= matt.intensity[:, 0].max() + 1e-3
+    assert shown[reddish, 1].max() < 0.02
+
+
+def test_what_is_matt_is_dark_in_a_mirror_before_any_light_bounced(evenly):
+    ball, other = md.samples.sphere(600), moved(md.samples.sphere(600), (2.5, 0, 0))
+    options = {"light": evenly, "shadows": True, "rays": 64}
+    mirror, _ = md.bake_together([(ball, MIRROR), other], "phong", **options)
+    met, missed = mirrored_into(ball, (2.5, 0, 0))
+    assert not mirror.intensity[met].any()
+    np.testing.assert_allclose(mirror.intensity[missed], 0.4, rtol=0.01)
+
+
+def test_two_mirrors_show_each_other(evenly):
+    ball, other = md.samples.sphere(600), moved(md.samples.sphere(600), (2.5, 0, 0))
+    both = md.bake_together([ball, other], **MIRROR, light=evenly, bounces=4)
+    for mirror in both:
+        np.testing.assert_allclose(mirror.intensity, 0.4, rtol=0.02)
+
+
+def test_the_scaling_of_mirrors_is_of_their_own_curvature(globe, evenly):
+    ball = moved(md.samples.sphere(600), (-5.0, 0.3, 0.2))
+    own = {**MIRROR, "magnitude": 4.0, "curvature": "object", "enhance": "all", "scales": 2}
+    mirror, _ = md.bake_together([(ball, own), (globe, own)], "phong", light=evenly, bounces=2)
+    assert np.isfinite(mirror.intensity).all()
+
+
+def test_what_can_have_no_bounces_is_silent(globe):
+    ball = moved(md.samples.sphere(600), (-5.0, 0.3, 0.2))
+    own = {"method": "radiance_scaling", "material": "lit_sphere", "bounces": 0}
+    got = bounced_to(ball, globe, own, light=(-1, 0, 0.3), exposure=0.5)
+    assert got.max() < 0.003

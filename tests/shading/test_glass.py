@@ -273,3 +273,24 @@ def test_even_light_stays_even_in_a_refractive_body(space):
 def test_a_refractive_body_casts_no_shadow(space):
     with pytest.raises(MeshdepictError, match="Refractive lets light through and casts no shadow"):
         radiance_scaling(space, waves(), material=Refractive(), shadows=True, bounces=1)
+
+
+# --- beside others ----------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("method", "options"),
+    [
+        ("light_alignment", {"interfaces": 2, "background": 1.0, "transmitted": 0.2, "rays": 16}),
+        ("radiance_scaling", {"material": "refractive", "bounces": 3}),
+    ],
+)
+def test_a_body_of_glass_is_beside_others_what_it_is_alone(method, options):
+    ball, globe = md.samples.golf_ball(1_500, dimples=32), md.samples.sphere(400)
+    other = md.Mesh(globe.vertices * 0.5 + (0.3, 0.2, -2.2), globe.faces)
+    look = {"light": waves(32), "view": "front", "exposure": 0.4, **options}
+    both = md.bake_together([ball, other], method, **look)
+    alone = md.bake(ball, method, **look)
+    difference = np.abs(both[0].intensity - alone.intensity)
+    assert np.median(difference) < 1e-4
+    assert difference.mean() < 2e-3

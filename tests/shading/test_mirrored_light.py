@@ -12,10 +12,11 @@ from meshdepict.scene.material import LitSphere, Mirror, reflected, towards_visi
 from meshdepict.scene.view import View
 from meshdepict.shading import radiance_scaling
 from meshdepict.shading.features import convexity
-from meshdepict.shading.mirrored_light import Matt, mirrored_light
+from meshdepict.shading.mirrored_light import Matt, lobe_height, mirrored_light
 from meshdepict.transport import paths as transport_paths
 from meshdepict.transport.paths import mirrored_paths, starting
 from meshdepict.transport.rays import lifted
+from meshdepict.transport.walls import between
 
 EYE = View((0, -4, 3), (0, 0, 0), (0, 1, 0), parallel_scale=1.3)
 PLAIN = {"material": "mirror", "magnitude": 0.0, "view": EYE}
@@ -86,6 +87,17 @@ def test_rays_of_a_rough_convex_mirror_are_the_blur_that_it_was(sphere):
             assert error < 0.01  # two and a half of 255 tones, of a sky that is all noise
 
 
+def test_a_lobe_ends_somewhere_however_its_rays_are_shifted():
+    for width in (1e-6, 0.01, 0.3, 1.5):
+        share = np.array([0, 0.5, 1 - 2**-24, 1], np.float32)
+        found = lobe_height(share, width)
+        assert (np.diff(found) <= 0).all()
+        assert ((found >= -1) & (found <= 1)).all()
+        assert found[0] == 1
+        # Half of a narrow lobe is within σ √(2 ln 2).
+        assert width > 0.1 or found[1] == pytest.approx(1 - width**2 * np.log(2), rel=1e-12)
+
+
 def test_even_light_stays_as_bright_in_any_number_of_mirrors(space):
     for roughness in (0.0, 0.3):
         for bounces in (1, 2, 6):
@@ -134,7 +146,7 @@ def test_every_mirror_on_the_way_scales_if_all_are_to(space):
     )
     kappa = convexity(space, EYE, curvature="object", scale=1, gain=None, foreshortening=1.0)
     met = seen_again(space)
-    bend = transport_paths.between(kappa, space.surface.faces[met.triangle], met.weights)
+    bend = between(kappa, space.surface.faces[met.triangle], met.weights)
     # Under even light δ is 1, and scaling e^γκ; on hollows the next mirror's δ is then below 1.
     bumps = bend > 0
     assert bumps.sum() > 20

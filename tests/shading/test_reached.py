@@ -94,7 +94,9 @@ def test_a_new_light_costs_its_shadows_alone(space, monkeypatch, method):
             shade(space, light, shadows=True, bounces=bounces, rays=8)
     sets = 1 + (method in OWN_RAYS)
     assert calls == [8] * sets
-    shade(space, SIDE, bounces=1, rays=16)
+    shade(space, SIDE, bounces=1, rays=16)  # what light itself sends needs no other set
+    assert calls == [8] * sets + [16]
+    shade(space, SIDE, bounces=2, rays=16)
     assert calls == [8] * sets + [16] * sets
 
 

@@ -26,6 +26,12 @@ SIDE = (-1.0, 0.2, 0.3)
 HIDING = [name for name in METHODS if "bounces" in options_of(METHODS[name])]
 
 
+@pytest.fixture(autouse=True)
+def patient(monkeypatch):
+    """Busy machines find the same numbers as others."""
+    monkeypatch.setattr(sampled, "AUTO_SECONDS", 1e3)
+
+
 @pytest.fixture(scope="module")
 def torus():
     return md.samples.torus(900)
@@ -87,7 +93,6 @@ def test_every_method_finds_its_rays_and_shades_as_by_that_number(space, name):
 
 
 def test_rays_double_until_what_they_err_cannot_be_seen(space, asked, monkeypatch):
-    monkeypatch.setattr(sampled, "AUTO_SECONDS", 1e3)
     monkeypatch.setattr(sampled, "UNSEEN", 0.5)
     shading.lambert(space, SIDE, shadows=True, bounces=2, rays="auto")
     chosen = space.light_errors.found
@@ -111,7 +116,6 @@ def test_rays_are_no_more_than_time_allows(space, asked, monkeypatch):
 
 def test_rays_are_no_more_than_memory_allows(space, asked, monkeypatch):
     monkeypatch.setattr(sampled, "UNSEEN", 0.0)
-    monkeypatch.setattr(sampled, "AUTO_SECONDS", 1e3)
     try:
         limits.set_max_memory(16 * 300 * space.count)  # 256 rays, and not 512
         shading.lambert(space, SIDE, bounces=1, rays="auto")

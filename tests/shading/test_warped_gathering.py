@@ -1,5 +1,7 @@
 """Light Warping with shadows and bounces: eq. 1 along rays, eq. 2 for lights, and its limits."""
 
+import pickle
+
 import numpy as np
 import pytest
 from conftest import rotation
@@ -16,10 +18,10 @@ from meshdepict.scene.names import as_view
 from meshdepict.scene.view import View
 from meshdepict.shading.features import Frames, features
 from meshdepict.shading.light_warping import light_warping, warp, warp_scale
-from meshdepict.shading.warped_gathering import warping
+from meshdepict.shading.warped_gathering import Warping
 from meshdepict.transport import transfer
 from meshdepict.transport.rays import AGAIN, FIRST, RaySet, cosine_weighted
-from meshdepict.transport.transfer import traced_transfer
+from meshdepict.transport.transfer import Leaving, traced_transfer
 
 SIDE = (-1.0, 0.2, 0.3)
 RAYS = {"shadows": True, "rays": 16}
@@ -66,7 +68,7 @@ def bent(space, ku, kv, turn):
 
 def gathered(space, frames, magnitude=4.0):
     key = tuple(float(part.ravel()[0]) for part in (frames.ku, frames.kv, frames.z))
-    return warping(space, frames, magnitude, key=key)
+    return Warping(frames, magnitude, key)
 
 
 def leaning(degrees):
@@ -170,7 +172,7 @@ def test_only_the_last_way_to_the_eye_is_warped(space, torus, bounces, contrast)
     light, magnitude = Light(SIDE), 6.0
     eye = as_view("front", torus)
     frames = features(space, eye, curvature="object", scale=1, gain=None)
-    gathering = warping(space, frames, magnitude, key=())
+    gathering = Warping(frames, magnitude, ())
     plain, seen = space.transport(16), space.seen_share(light)
     falls = np.maximum(space.normals_at(0) @ light.direction, 0) * seen
     sent = 0.5 * falls  # B_k = ρ E_k, E_k = E_0 + T B_{k−1}
@@ -257,7 +259,9 @@ def test_rays_are_traced_anew_for_another_warp_and_never_for_another_light(space
     calls = []
     real = transfer.traced_transfer
     monkeypatch.setattr(
-        transfer, "traced_transfer", lambda *a, **k: calls.append("bend" in k) or real(*a, **k)
+        transfer,
+        "traced_transfer",
+        lambda *a, **k: calls.append(k["how"].bend is not None) or real(*a, **k),
     )
 
     def traced(light=SIDE, **options):
@@ -384,6 +388,13 @@ def test_a_number_of_rays_that_none_has_is_refused(space):
 
 def test_warped_rays_below_the_horizon_are_no_rays_of_others(torus):
     plain = traced_transfer(torus, rays=16)
-    same = traced_transfer(torus, rays=16, bend=lambda directions, which: None)
+    same = traced_transfer(torus, rays=16, how=Leaving(bend=lambda directions, which: None))
     np.testing.assert_array_equal(plain.triangle, same.triangle)
     np.testing.assert_array_equal(plain.sky, same.sky)
+
+
+def test_what_was_traced_goes_along_to_another_process(space):
+    whole = light_warping(space, SIDE, bounces=1, rays=8)
+    again = pickle.loads(pickle.dumps(space))
+    assert len(again._kept["warped rays"][1]) == len(whole)
+    np.testing.assert_array_equal(light_warping(again, SIDE, bounces=1, rays=8), whole)

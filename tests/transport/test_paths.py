@@ -7,13 +7,11 @@ import meshdepict as md
 from meshdepict.transport.paths import (
     AWAY,
     HIDDEN,
-    between,
     mirrored_paths,
     starting,
-    turning,
 )
 from meshdepict.transport.rays import lifted
-from meshdepict.transport.walls import walls_of
+from meshdepict.transport.walls import between, turning, walls_of
 
 
 def plate(corners, cells=4):

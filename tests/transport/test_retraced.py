@@ -52,7 +52,9 @@ def test_sums_are_those_of_kept_rays_bit_for_bit(torus, little):
     assert len(found) == len(kept)
 
 
-@pytest.mark.parametrize("name", ["lambert", "phong", "radiance_scaling"])
+@pytest.mark.parametrize(
+    "name", ["lambert", "phong", "radiance_scaling", "light_warping", "light_alignment"]
+)
 def test_methods_shade_the_same_with_little_memory(torus, little, name):
     options = {"shadows": True, "bounces": 2, "rays": 32}
     light = Environment(np.full((8, 16, 3), 0.5, np.float32))
