@@ -248,8 +248,6 @@ class Mesh(Geometry):
         textures for shading. What else the file held is left behind, texture coordinates with a
         warning: they are not saved.
         """
-        from meshdepict.shapes.turned_textures import turned_textures
-
         flipped = self.orientation.flipped
         if not flipped.any():
             return self
@@ -270,8 +268,14 @@ class Mesh(Geometry):
         )
         numbers = Polygons(np.arange(len(polygons.connectivity)), polygons.offsets)
         corner = numbers.reversed(turned).connectivity
-        mesh._textures = partial(turned_textures, self, mesh, corner)
+        mesh._textures = partial(self._turned_textures, mesh, corner)
         return mesh
+
+    def _turned_textures(self, other: Mesh, corner: NDArray[np.int64]) -> Textures | None:
+        from meshdepict.shapes.turned_textures import Split, turned_textures
+
+        before, after = (Split(mesh.triangle_corners, mesh._owner) for mesh in (self, other))
+        return turned_textures(self.textures, before, after, corner)
 
     def as_triangles(self) -> Mesh:
         """Return the mesh with the triangles that are shaded as its faces; itself if they are.
