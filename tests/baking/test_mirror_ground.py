@@ -133,7 +133,10 @@ def test_the_command_takes_it(run, ball_ply):
 
 
 def test_a_mirror_above_it_shows_what_it_turns_back():
-    """Light from above alone: below the horizon there is the sky once more, from the ground."""
+    """Light from above alone: below the horizon there is the sky once more, from the ground.
+
+    Not all of it: some rays that the ground turns back meet the ball again.
+    """
     half = np.zeros((32, 64, 3), np.float32)
     half[:16] = (0.2, 0.3, 0.5)
     mirror = {"material": "mirror", "magnitude": 0.0, "bounces": 2}
@@ -144,4 +147,5 @@ def test_a_mirror_above_it_shows_what_it_turns_back():
     )
     lower = (ball.vertices[:, 1] < -0.3) & (ball.vertices[:, 2] > 0.6)
     assert not alone[lower].any()
-    np.testing.assert_allclose(above[lower], np.tile([0.2, 0.3, 0.5], (lower.sum(), 1)), rtol=0.05)
+    whole = np.abs(above[lower] - [0.2, 0.3, 0.5]).max(axis=1) < 0.02
+    assert whole.mean() > 0.75
