@@ -92,6 +92,10 @@ class Stage:
         """Of a picture, for drawings, which have no room for their letters below 200 pixels."""
         return max(self.size, 200) / 100
 
+    def larger(self, times: int) -> Stage:
+        """Return the stage of pictures so many times as large."""
+        return dataclasses.replace(self, size=times * self.size)
+
     def look(
         self,
         name: str,

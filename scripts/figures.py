@@ -1,6 +1,6 @@
 """Draw figures of the four papers again, with the objects at hand.
 
-    python scripts/figures.py -o figures/                 # all of them, four minutes
+    python scripts/figures.py -o figures/                 # all of them, eight minutes
     python scripts/figures.py ES1 RS4 --size 500
     MESHDEPICT_DATA=scans python scripts/figures.py LLA14
 

@@ -33,14 +33,15 @@ def shown(baked: Any, stage: Stage, *, wide: float = 1.0) -> Image.Image:
         return Image.open(path).convert("RGB")
 
 
-def sky(stage: Stage, name: str, share: float) -> md.Environment:
-    """Return an environment, times a share."""
+def sky(stage: Stage, name: str, share: float, *, turned: bool = False) -> md.Environment:
+    """Return an environment, times a share; turned, with what was behind the object before it."""
     if stage.folder is None:
         rows, columns = np.mgrid[0:32, 0:64]
         sun = np.exp(-((rows - 8) ** 2 + (columns - 44) ** 2) / 8.0)
         return md.Environment((0.2 + 9 * sun)[..., None] * [1, 0.9, 0.8] * share, name="sun")
     found = md.Environment.from_file(stage.folder / "env" / f"{name}.hdr")
-    return md.Environment(found.pixels * np.float32(share), name=name)
+    pixels = np.roll(found.pixels, turned * found.pixels.shape[1] // 2, axis=1)
+    return md.Environment(pixels * np.float32(share), name=name)
 
 
 def scan(stage: Stage, name: str) -> md.Mesh:
@@ -57,11 +58,11 @@ def lw9gi(stage: Stage) -> Image.Image:
     armadillo, rows = scan(stage, "armadillo"), []
     for name, material in (("matt", "lambert"), ("glossy", GLOSSY)):
         row = []
-        for place, share in (("grace_256x128", 0.6), ("ennis_256x128", 0.6)):
+        for place, share in (("grace_256x128", 1.0), ("ennis_256x128", 0.12)):
             for words, magnitude in (("original", 0.0), ("warped", 14.0)):
                 baked = md.bake(
-                    armadillo, "light_warping", light=sky(stage, place, share), bounces=3,
-                    shadows=True, material=material, magnitude=magnitude, rays=128,
+                    armadillo, "light_warping", light=sky(stage, place, share, turned=True),
+                    bounces=3, shadows=True, material=material, magnitude=magnitude, rays=128,
                 )  # fmt: skip
                 row.append((f"{name}, {place.split('_')[0]}\n{words}", shown(baked, stage)))
         rows.append(row)
@@ -86,7 +87,9 @@ def rs10(stage: Stage) -> Image.Image:
             objects, "radiance_scaling", light=sky(stage, "venice_sunset_1k", 0.5), view=VIEW,
             ground="mirror", shadows=True, bounces=2, enhance=enhance,
         )  # fmt: skip
-        row.append((words, shown(baked, stage, wide=1.5)))
+        picture = shown(baked, stage.larger(2), wide=1.5)
+        wide, high = picture.size
+        row.append((words, picture.crop((wide // 4, high // 8, wide * 3 // 4, high * 7 // 8))))
     return page([row])
 
 
