@@ -48,12 +48,13 @@ from meshdepict.shading.reached import (
     USUAL_RAYS,
     Bounces,
     Denoise,
+    RaysOfAll,
     Reached,
     Shadows,
     ray_count,
     reached,
 )
-from meshdepict.shading.sampled import AUTO_RAYS, used_rays
+from meshdepict.shading.sampled import used_rays
 from meshdepict.shading.surroundings import as_environment, seen
 from meshdepict.shading.warp_equations import jacobian, unwarp, warp, warp_scale
 from meshdepict.shading.warped_gathering import Warping
@@ -138,16 +139,7 @@ def light_warping(
     ] = "lights",
     shadows: Shadows = False,
     bounces: Bounces = 0,
-    rays: Annotated[
-        int | str,
-        Range(
-            0,
-            65536,
-            help="of each sample: of ambient occlusion, to discs, the sky and what bounces",
-            soft=(0, 256),
-            words=(AUTO_RAYS,),
-        ),
-    ] = 0,
+    rays: RaysOfAll = 0,
     denoise: Denoise = 0.0,
     importance: Importance = None,
     shininess: Parameter = None,

@@ -40,8 +40,16 @@ from meshdepict.shading.features import (
 from meshdepict.shading.gathering import PLAIN, Gathering
 from meshdepict.shading.hidden_light import albedo, hidden_direct, refuse_unhidden
 from meshdepict.shading.method import Exposure, exposed, method
-from meshdepict.shading.reached import USUAL_RAYS, Bounces, Denoise, Reached, Shadows, reached
-from meshdepict.shading.sampled import AUTO_RAYS, used_rays
+from meshdepict.shading.reached import (
+    USUAL_RAYS,
+    Bounces,
+    Denoise,
+    RaysOfAll,
+    Reached,
+    Shadows,
+    reached,
+)
+from meshdepict.shading.sampled import used_rays
 from meshdepict.shading.scaling_equation import LEAST_INVARIANT, scaling
 from meshdepict.shading.scaling_reads import scaling_bends, scaling_reads
 from meshdepict.shading.surroundings import (
@@ -109,16 +117,7 @@ def radiance_scaling(
             help="light that bounced: scaled where the eye sees it, or at every bounce",
         ),
     ] = "first",
-    rays: Annotated[
-        int | str,
-        Range(
-            0,
-            65536,
-            help="of each sample: for precomputed light, to discs, the sky and what bounces",
-            soft=(0, 256),
-            words=(AUTO_RAYS,),
-        ),
-    ] = 0,
+    rays: RaysOfAll = 0,
     denoise: Denoise = 0.0,
     shininess: Parameter = None,
     roughness: Parameter = None,

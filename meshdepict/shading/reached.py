@@ -46,6 +46,7 @@ __all__ = [
     "Bounces",
     "Denoise",
     "LightRays",
+    "RaysOfAll",
     "Reached",
     "Shadows",
     "ray_count",
@@ -74,6 +75,15 @@ LightRays = Annotated[
     ),
 ]  # fmt: skip
 
+
+RaysOfAll = Annotated[
+    int | str,
+    Range(
+        0, MOST_RAYS, soft=(0, 256), words=(AUTO_RAYS,),
+        help="of each sample: of precomputed light, to discs, the sky and what bounces",
+    ),
+]  # fmt: skip
+"""Of methods that also take light from all around at once; 0: what is usual for each."""
 
 USUAL_RAYS = 64
 """What `LightRays` is unless given."""
