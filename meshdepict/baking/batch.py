@@ -268,6 +268,11 @@ class Batch:
                 else "large triangles meet at sharp edges there, a finer mesh is needed"
             )
         look = baked.look
+        if look is not None and look.refine is not None and mesh.textures is not None:
+            yield (
+                "split triangles have no texture coordinates any more: meshdepict texture shades "
+                "between vertices without splitting any"
+            )
         if not self.quiet and look is not None and look.refine is None:
             light = look.lighting(baked.view, mesh.kind) if look.light is None else look.light
             share = smeared_share(mesh, light)

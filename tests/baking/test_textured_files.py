@@ -103,3 +103,10 @@ def test_quantised_files_are_for_gltf_alone(run, ball_ply):
 def test_info_names_textures(run, painted):
     _, lines, _ = run("info", "scans/a.obj")
     assert any("texture coordinates, textures" in line for line in lines)
+
+
+def test_triangles_that_are_split_lose_their_texture_with_a_note(run, painted):
+    status, _, notes = run("bake", "scans/a.obj", "-o", "b.obj", "--refine", "2", *WORDS)
+    assert status == 0
+    assert any("split triangles have no texture coordinates any more" in note for note in notes)
+    assert not any("split triangles" in note for note in run("bake", "scans/a.obj", *WORDS)[2])
