@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshdepict.baking.provenance import comment_lines
+from meshdepict.baking.texture_choices import IMAGES, ImageKind
 from meshdepict.errors import MeshdepictError
 from meshdepict.io.textured import TEXTURED
 
@@ -20,20 +21,37 @@ if TYPE_CHECKING:
     from meshdepict.baking.choices import Choices
     from meshdepict.shapes.mesh import Mesh
 
-__all__ = ["BakedTexture", "check_texture"]
+__all__ = ["BakedTexture", "check_packing", "check_texture"]
+
+
+_ALONE = {".png": "png", ".jpg": "jpeg", ".jpeg": "jpeg", ".webp": "webp"}
 
 
 def check_texture(path: str | Path, map_kind: str = "color") -> None:
     """Refuse to write a texture into a file of another kind, before any work is done."""
     suffix = Path(path).suffix.lower()
-    if suffix != ".png" and suffix not in TEXTURED:
+    if suffix not in (*_ALONE, *TEXTURED):
         raise MeshdepictError(
-            f"{path}: textures are saved with their mesh as {', '.join(TEXTURED)}, or alone as .png"
+            f"{path}: textures are saved with their mesh as {', '.join(TEXTURED)}, or alone as "
+            f"{', '.join(_ALONE)}"
         )
     if suffix != ".png" and map_kind != "color":
         raise MeshdepictError(
             f"{path}: a map of {map_kind} goes into a picture of its own: end the name with .png"
         )
+
+
+def check_packing(path: str | Path, image: str, quality: int | None) -> None:
+    """Refuse how a picture is to be packed, before any work is done."""
+    from meshdepict.images.encoded import encode
+
+    if image not in IMAGES:
+        raise MeshdepictError(f"image={image!r} is none of {', '.join(IMAGES)}")
+    kind = _ALONE.get(Path(path).suffix.lower(), image)
+    if quality is not None and kind == "png":
+        raise MeshdepictError(f"quality={quality} is of jpeg and webp: png is exact")
+    if kind != "png":
+        encode(np.zeros((1, 1, 3), np.uint8), kind, quality=quality)
 
 
 class BakedTexture:
@@ -102,13 +120,15 @@ class BakedTexture:
     @cached_property
     def mesh(self) -> Mesh:
         """The mesh with this texture on it, in place of those that it had."""
+        return self._with_picture("png", None)
+
+    def _with_picture(self, kind: str, quality: int | None) -> Mesh:
+        from meshdepict.images.encoded import KINDS
         from meshdepict.shapes.textures import Texture, Textures
 
-        stream = io.BytesIO()
-        self._write_picture(stream)
-        name = f"{self.provenance['method']}.png"
+        name = self.provenance["method"] + KINDS[kind][1]
         wrap = ("repeat", "repeat") if self._atlas.kind == "own" else ("clamp", "clamp")
-        texture = Texture(name, stream.getvalue(), "png", wrap)
+        texture = Texture(name, self._packed(kind, quality), kind, wrap)
         count = len(self._atlas.texcoords)
         return self._source.with_textures(
             Textures(
@@ -121,30 +141,53 @@ class BakedTexture:
             )
         )
 
-    def save(self, path: str | Path) -> Path:
+    def save(
+        self, path: str | Path, *, image: ImageKind = "png", quality: int | None = None
+    ) -> Path:
         """Write the mesh with its texture, or the picture alone; the suffix decides.
+
+        Parameters
+        ----------
+        path : str or Path
+            .glb, .gltf, .obj or .ply; of the picture alone .png, .jpg or .webp.
+        image : {"png", "jpeg", "webp"}
+            How the picture in or beside a mesh is packed. In glTF WebP needs a reader that knows
+            the extension EXT_texture_webp.
+        quality : int, optional
+            Of JPEG and WebP, 1 … 100; 90, about a grey level, unless given.
 
         Raises
         ------
         MeshdepictError
-            For another suffix than .glb, .gltf, .obj, .ply and .png, for maps that are no colours
-            unless it is .png, and where a file can't be written.
+            For another suffix, kind or quality, for maps that are no colours unless it is .png, and
+            where a file can't be written.
         """
         check_texture(path, self.map_kind)
-        if Path(path).suffix.lower() == ".png":
+        check_packing(path, image, quality)
+        alone = _ALONE.get(Path(path).suffix.lower())
+        if alone is not None:
             from meshdepict.files.atomic import atomic_write
 
+            packed = self._packed(alone, quality)
             with atomic_write(path) as file:
-                self._write_picture(file)
+                file.write(packed)
         else:
             from meshdepict.io.textured import write_textured
 
-            write_textured(path, self.mesh, comments=self.comments, mipmaps=self._atlas.mipmaps)
+            mesh = self.mesh if image == "png" else self._with_picture(image, quality)
+            write_textured(path, mesh, comments=self.comments, mipmaps=self._atlas.mipmaps)
         return Path(path)
 
-    def _write_picture(self, file: Any) -> None:
+    def _packed(self, kind: str, quality: int | None) -> bytes:
+        """Return the picture as a file's bytes; a PNG with its provenance."""
+        if kind != "png":
+            from meshdepict.images.encoded import encode
+
+            return encode(self.image, kind, quality=quality)
         from meshdepict.images.png_files import write_png
 
         lines = (line.partition(": ") for line in self.comments)
         texts = {key: text for key, _, text in lines}
-        write_png(file, self.image, texts, srgb=self.map_kind == "color")
+        stream = io.BytesIO()
+        write_png(stream, self.image, texts, srgb=self.map_kind == "color")
+        return stream.getvalue()

@@ -9,7 +9,7 @@ from typing import Annotated, Any, Literal
 
 from cyclopts import Parameter
 
-from meshdepict.baking.texture_choices import SIZE, AtlasKind, MapKind
+from meshdepict.baking.texture_choices import SIZE, AtlasKind, ImageKind, MapKind
 from meshdepict.commands import parameters
 from meshdepict.commands.parameters import FILES, Everywhere, LookWords, takes_words
 from meshdepict.console import notes, progress_bar, say
@@ -29,6 +29,8 @@ def texture(
     map_kind: Annotated[MapKind, Parameter(name="--map", group=FILES)] = "color",
     detail: Annotated[Path | None, Parameter(group=FILES)] = None,
     cage: Annotated[str | None, Parameter(group=FILES)] = None,
+    image: Annotated[ImageKind, Parameter(group=FILES)] = "png",
+    quality: Annotated[int | None, Parameter(group=FILES, converter=parameters.whole)] = None,
     winding: Annotated[Literal["auto", "keep"], Parameter(group=FILES)] = "auto",
     force: Annotated[bool, Parameter(group=FILES, show_default=False)] = False,
     recipe: Annotated[str | None, Parameter(group=FILES)] = None,
@@ -43,8 +45,8 @@ def texture(
     mesh
         PLY, OBJ, OFF, STL, GLB, glTF or VTP, gzipped or not.
     output
-        The mesh with its texture (.glb, .gltf, .obj, .ply), or the texture alone (.png);
-        <name>-<method>.glb in the current folder unless given.
+        The mesh with its texture (.glb, .gltf, .obj, .ply), or the texture alone (.png, .jpg,
+        .webp); <name>-<method>.glb in the current folder unless given.
     size
         Texels along the side of the texture, 16 to 16384.
     atlas
@@ -57,6 +59,10 @@ def texture(
         A finer mesh of the same object, whose shading the texture gets.
     cage
         How far detail may be from the mesh, in its units or 2% of its diagonal. [default: 2%]
+    image
+        How the picture in or beside a mesh is packed: png exactly, jpeg and webp smaller.
+    quality
+        Of jpeg and webp, 1 to 100; 90 unless given.
     winding
         auto: turn faces that look inwards before shading; keep: believe the file.
     force
@@ -66,7 +72,7 @@ def texture(
     save_recipe
         Write them to a file, as they were said: up and view that nobody names are each mesh's own.
     """
-    from meshdepict.baking.baked_texture import check_texture
+    from meshdepict.baking.baked_texture import check_packing, check_texture
     from meshdepict.baking.provenance import fitted_text
     from meshdepict.baking.recipe import save_recipe as write_recipe
     from meshdepict.baking.targets import check_target, identities
@@ -87,6 +93,7 @@ def texture(
         shown = wanted.title if map_kind == "color" else map_kind
         output = Path(f"{name}-{shown}{'.glb' if map_kind == 'color' else '.png'}")
     check_texture(output, map_kind)
+    check_packing(output, image, quality)
     inputs = identities([mesh, detail])
     check_target(output, force=force, inputs=inputs)
     with (
@@ -100,7 +107,7 @@ def texture(
         )  # fmt: skip
         if save_recipe is not None:
             write_recipe(save_recipe, wanted, force=force)
-        baked.save(output)
+        baked.save(output, image=image, quality=quality)
     scales = baked.provenance["scales"]
     facts = [
         "" if map_kind != "color" or not wanted.lit else f"light {baked.provenance['light']}",

@@ -26,6 +26,7 @@ __all__ = ["UNLIT", "Additions", "Laid", "depict", "undepicted"]
 Floats = NDArray[np.float64]
 
 UNLIT = "KHR_materials_unlit"
+WEBP = "EXT_texture_webp"
 _QUANTIZED = "KHR_mesh_quantization"
 _COMPONENT_TYPES = {kind: number for number, kind in COMPONENTS.items()}
 _LINEAR, _LINEAR_MIPMAPS = 9729, 9987
@@ -194,10 +195,11 @@ def _picture(additions: Additions, texture: Laid) -> int:
         "wrapS": _WRAPS[picture.wrap[0]],
         "wrapT": _WRAPS[picture.wrap[1]],
     }
-    source = additions.add("images", image)
-    return additions.add(
-        "textures", {"sampler": additions.add("samplers", sampler), "source": source}
-    )
+    source: dict[str, Any] = {"source": additions.add("images", image)}
+    if picture.kind == "webp":  # and no other picture for who can't read that
+        additions.uses(WEBP, required=True)
+        source = {"extensions": {WEBP: source}}
+    return additions.add("textures", {"sampler": additions.add("samplers", sampler), **source})
 
 
 def _name_original(header: dict[str, Any]) -> bool:

@@ -10,6 +10,7 @@ import meshdepict as md
 from meshdepict import color
 from meshdepict.baking.textures import bake_texture
 from meshdepict.errors import MeshdepictError, MeshdepictWarning
+from meshdepict.images.encoded import kind_of
 from meshdepict.scales.interpolated_scales import InterpolatedSpace
 from meshdepict.scales.making import scale_space
 from meshdepict.shapes import samples
@@ -377,3 +378,44 @@ def test_a_bake_says_what_it_is():
     assert np.array_equal(baked.mesh.texcoords, baked.texcoords)
     assert np.array_equal(baked.mesh.textures.base_colors[0].pixels[..., :3], baked.image)
     assert "meshdepict texture: color, 64 x 64 texels, atlas own" in baked.comments
+
+
+@pytest.mark.parametrize("image", ["png", "jpeg", "webp"])
+@pytest.mark.parametrize("suffix", [".glb", ".gltf", ".obj", ".ply"])
+def test_a_texture_is_packed_as_asked_and_read_back(tmp_path, image, suffix):
+    baked = md.bake_texture(md.samples.sphere(200), "lambert", size=128)
+    path = baked.save(tmp_path / f"a{suffix}", image=image)
+    texture = md.read_mesh(path).textures.base_colors[0]
+    assert texture.kind == image
+    apart = np.abs(texture.pixels[..., :3].astype(int) - baked.image)
+    assert apart.max() == 0 if image == "png" else apart.mean() < 8  # of tiny, coloured places
+
+
+@pytest.mark.parametrize(("suffix", "kind"), [(".jpg", "jpeg"), (".webp", "webp"), (".png", "png")])
+def test_a_texture_alone_is_what_its_suffix_says(tmp_path, suffix, kind):
+    baked = md.bake_texture(md.samples.sphere(200), "lambert", size=128)
+    assert kind_of(baked.save(tmp_path / f"a{suffix}").read_bytes()) == kind
+
+
+def test_less_quality_is_a_smaller_file(tmp_path):
+    baked = md.bake_texture(md.samples.sphere(200), "lambert", size=128)
+    sizes = [baked.save(tmp_path / "a.jpg", quality=quality).stat().st_size for quality in (95, 50)]
+    assert sizes[1] < 0.8 * sizes[0]
+
+
+@pytest.mark.parametrize(
+    ("name", "options", "said"),
+    [
+        ("a.glb", {"image": "gif"}, "image='gif' is none of png, jpeg, webp"),
+        ("a.glb", {"quality": 80}, "quality=80 is of jpeg and webp: png is exact"),
+        ("a.png", {"quality": 80}, "quality=80 is of jpeg and webp: png is exact"),
+        ("a.jpg", {"quality": 101}, "quality=101 is no whole number from 1 to 100"),
+        ("a.glb", {"image": "webp", "quality": 0}, "quality=0 is no whole number from 1 to 100"),
+    ],
+)
+def test_wrong_packing_is_one_sentence_and_no_file(tmp_path, name, options, said):
+    baked = md.bake_texture(md.samples.sphere(200), "lambert", size=128)
+    with pytest.raises(MeshdepictError) as caught:
+        baked.save(tmp_path / name, **options)
+    assert str(caught.value) == said
+    assert not list(tmp_path.iterdir())

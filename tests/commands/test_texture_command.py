@@ -144,3 +144,12 @@ def test_a_mesh_with_coordinates_keeps_them(tmp_path, monkeypatch):
         == 0
     )
     assert np.allclose(read_mesh("b.obj").texcoords, globe(4).texcoords, atol=1e-7)
+
+
+def test_pictures_are_packed_as_asked(ball, capsys):
+    words = ["--size", "128", "--image", "webp", "--quality", "70", "-o", "w.glb", "--quiet"]
+    assert main(["texture", ball, *words]) == 0
+    assert read_mesh("w.glb").textures.base_colors[0].kind == "webp"
+    capsys.readouterr()
+    assert main(["texture", ball, "--size", "128", "--quality", "70"]) == 2
+    assert "quality=70 is of jpeg and webp: png is exact" in capsys.readouterr().err
