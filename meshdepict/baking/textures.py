@@ -176,6 +176,10 @@ def texture_of(
         )
     if look.refine is not None:
         raise MeshdepictError("refine splits triangles, and texels need none split: leave it out")
+    if look.ground is not None:
+        raise MeshdepictError(
+            "ground is in pictures of a bake, and not in a texture: leave ground out"
+        )
     if cage is not None and detail is None:
         raise MeshdepictError("cage says how far away detail may be: give detail, too, or none")
     mesh = as_mesh(shape)

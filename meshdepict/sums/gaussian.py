@@ -34,9 +34,10 @@ _TINY = 1e-290  # a Gaussian below this is zero in double precision
 _PAIR_SECONDS = 1.4e-9
 _PAIR_BASE = 0.4
 _PAIR_CHANNEL = 0.06
-_COARSER = 1.2  # times: cells and batches are coarser than the ball, and more pairs are computed
 # What a point takes besides, in predictions: it is sorted, gathered and checked either way.
 _POINT_SECONDS = 0.8e-6
+
+_COARSER = 1.2  # times: cells and batches are coarser than the ball, and more pairs are computed
 
 
 class GaussianSums:

@@ -29,6 +29,7 @@ def small(script, monkeypatch):
     """Fewer points and cells: the names are wanted here, not the seconds."""
     monkeypatch.setattr(script.Direct, "vertices", 1_000)
     monkeypatch.setattr(script.Points, "count", 5_000)
+    monkeypatch.setattr(script.Blocks, "vertices", 2_000)
     monkeypatch.setattr(script, "CELLS", (100_000, 150_000, 200_000, 300_000, 400_000))
 
 
@@ -42,11 +43,11 @@ def constants(module):
 
 @pytest.mark.usefixtures("small")
 def test_every_constant_of_the_sums_is_printed_once(script):
-    found = [*script.neighbours(1), *script.transforms(1)]
+    found = [*script.neighbours(1), *script.sparse_grids(1), *script.transforms(1)]
     names = [(module, name) for module, name, _ in found]
     assert sorted(names) == sorted(
         (module, name)
-        for module in (script.GAUSSIAN, script.SPECTRAL)
+        for module in (script.GAUSSIAN, script.GRID, script.SPECTRAL)
         for name in constants(module)
     )
     assert all(math.isfinite(value) for *_, value in found)

@@ -14,7 +14,7 @@ SCRIPTS = Path(__file__).resolve().parents[2] / "scripts"
 ES, LW, RS = range(1, 14), (6, 9, 10, 11), (*range(2, 10), *range(12, 15))
 NAMES = (
     *(f"ES{i}" for i in ES), *(f"LW{i}" for i in LW), *(f"RS{i}" for i in RS),
-    *(f"LLA{i}" for i in range(4, 15)),
+    *(f"LLA{i}" for i in range(4, 15)), "LW9GI", "RS10", "RS11", "LLA11GI",
 )  # fmt: skip
 
 

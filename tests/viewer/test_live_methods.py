@@ -61,7 +61,7 @@ OPTIONS = {
 # effect.
 IDLE = {
     "lights": 7, "rays": 9, "transmitted_strength": 0.9, "refraction": 2.0, "frosting": 0.9,
-    "enhance": "all", "denoise": 2.0,
+    "enhance": "all", "denoise": 2.0, "interfaces": 2,
 }  # fmt: skip
 # Of materials that are not live: refused as they are by a bake with Lambert or Phong.
 FOREIGN = {"roughness": 0.5, "bins": 4}

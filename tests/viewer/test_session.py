@@ -3,8 +3,8 @@ import pytest
 from method_families import ON_MESHES
 
 from meshdepict import bake
-from meshdepict.baking.surfaces import scale_space
 from meshdepict.errors import MeshdepictError
+from meshdepict.scales.making import scale_space
 from meshdepict.viewer import session as session_module
 from meshdepict.viewer.controls import controls
 from meshdepict.viewer.session import Session

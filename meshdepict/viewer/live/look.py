@@ -67,7 +67,9 @@ class LiveLook:
         self._colormap = colormap
         self._options: dict[str, Any] = {
             name: option.default for name, option in options_of(self._method.function).items()
-        } | dict(Choices(self._method.function).of_kind(space.shape.kind).options)
+        }
+        kind = getattr(space.shape, "kind", "")  # what is no shape is refused where actors are made
+        self._options |= Choices(self._method.function).of_kind(kind).options
         # What can't be live is refused before anything is made: windows ask at every frame.
         changed_options(self._method, self._options, options or {})
         self.actor = self._made(space)
