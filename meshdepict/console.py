@@ -6,7 +6,6 @@ import re
 import sys
 import threading
 import warnings
-from collections import Counter
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -48,7 +47,7 @@ class Heard:
 
     def __init__(self) -> None:
         self._first: dict[str, str] = {}  # by what is said, figures left out
-        self._files: Counter[str] = Counter()
+        self._files: dict[str, set[object]] = {}
 
     def fresh(self, path: Path | None, messages: Iterable[str]) -> list[str]:
         """Return the messages that no earlier file had."""
@@ -56,7 +55,7 @@ class Heard:
         for message in messages:
             text = _after(path, message)
             said = _FIGURES.sub("#", text)
-            self._files[said] += 1
+            self._files.setdefault(said, set()).add(path)
             if said not in self._first:
                 self._first[said] = text
                 new.append(message)
@@ -65,7 +64,7 @@ class Heard:
     def tell(self) -> None:
         """Say of how many files more each note was true."""
         for said, first in self._first.items():
-            others = self._files[said] - 1
+            others = len(self._files[said]) - 1
             if others:
                 many = "1 more file" if others == 1 else f"{others:,} more files"
                 complain(f"note: of {many}, too: {first}")

@@ -24,7 +24,7 @@ __all__ = ["Atlas", "atlas_of"]
 Floats = NDArray[np.float64]
 
 _BAND = 1 << 18  # texels that are looked at at once
-_GUTTER, _PAIRS_GUTTER = 24, 2
+_GUTTER = 24
 _SHARED = 0.01  # of the texels in use that may be of several triangles: rounding, a fold
 _SMALL = 0.01  # of the surface that may have no texel before a note says so
 
@@ -118,7 +118,7 @@ def atlas_of(mesh: Mesh, size: int, kind: str | None = None) -> Atlas:
     from meshdepict.surface.triangle_pairs import paired
 
     found = paired(mesh.unit_points, mesh.faces, size)
-    return Atlas("new", found, TexelGrid(found, size, closed=True), _PAIRS_GUTTER)
+    return Atlas("new", found, TexelGrid(found, size, closed=True), _GUTTER)
 
 
 def _own(mesh: Mesh, *, asked: bool) -> Floats | None:

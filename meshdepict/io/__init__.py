@@ -231,7 +231,8 @@ def _tell_of_extras(path: str | os.PathLike[str], mesh: Mesh, saving: Saving) ->
         return
     if saving.suffix in document.formats:
         if saving.colors is not None and document.is_textured:
-            where = "in a scene of its own" if ".glb" in document.formats else "beside them"
+            beside = "beside them, and viewers may show those: see meshdepict texture"
+            where = "in a scene of its own" if ".glb" in document.formats else beside
             warnings.warn(
                 f"{path}: the new colours are at vertices; its textures are kept {where}",
                 MeshdepictWarning,

@@ -17,6 +17,7 @@ Floats = NDArray[np.float64]
 
 # A ball shrinks by more than this at a step, or it has the final size: rounding of squares.
 _SHRINKS = 1e-9
+_APART = 1e-5  # diagonals: nearer points are one, as where gaps are closed
 
 
 def accessible_radii(points: Floats, normals: NDArray[Any], cap: float) -> Floats:
@@ -51,7 +52,9 @@ def accessible_radii(points: Floats, normals: NDArray[Any], cap: float) -> Float
         d = points[nearest] - points[moving]
         above = np.einsum("ij,ij->i", normals[moving], d)
         squared = np.einsum("ij,ij->i", d, d)
-        smaller = squared < (1 - _SHRINKS) * 2 * radii[moving] * above
+        # Of several points at one place, as along seams, none is in another's way.
+        apart = squared > _APART**2
+        smaller = apart & (squared < (1 - _SHRINKS) * 2 * radii[moving] * above)
         moving = moving[smaller]
         radii[moving] = squared[smaller] / (2 * above[smaller])
     return radii

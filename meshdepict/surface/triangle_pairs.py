@@ -62,14 +62,16 @@ def paired(points: Floats, faces: Ints, size: int) -> Floats:
     side = _fitting(wanted, size)
     x, y = _places(side, size)
     # In texels from the square's upper left corner: centres lie at whole numbers.
-    leg = (side - 5).astype(np.float64)
+    extra = side // 16  # antialiasing reads beyond edges, the farther the larger the cell
+    leg = (side - 5 - 4 * extra).astype(np.float64)
     zero = np.zeros(len(leg))
     right = np.stack([zero, leg, zero], axis=1), np.stack([zero, zero, leg], axis=1)
     cell = np.arange(count) // 2
     second = np.arange(count) % 2 == 1
     turn = np.where(second, -1, 1)[:, None]
-    across = x[cell][:, None] + np.where(second, side[cell] - 2, 1)[:, None] + turn * right[0][cell]
-    down = y[cell][:, None] + np.where(second, side[cell] - 2, 1)[:, None] + turn * right[1][cell]
+    start = np.where(second, (side - 2 - extra)[cell], (1 + extra)[cell])
+    across = x[cell][:, None] + start[:, None] + turn * right[0][cell]
+    down = y[cell][:, None] + start[:, None] + turn * right[1][cell]
     found = np.empty((count, 3, 2))
     # First the corner opposite to the longest side; downwards rows turn the picture over.
     first = (sides[order].argmax(axis=1) + 2) % 3

@@ -20,7 +20,7 @@ def test_a_mesh_keeps_its_own_coordinates_unless_others_are_asked_for():
     new = atlas_of(mesh, 128, "new")
     assert new.kind == "new"
     assert not new.mipmaps
-    assert new.gutter == 2
+    assert new.gutter == 24
     assert not np.array_equal(new.texcoords, mesh.texcoords)
 
 

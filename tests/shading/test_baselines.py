@@ -221,3 +221,11 @@ def test_turning_mesh_and_light_together_changes_nothing(name, ball, rng):
     here = shading.METHODS[name](md.scale_space(ball, scales=3), NORTHWEST)
     there = shading.METHODS[name](md.scale_space(turned, scales=3), turn @ NORTHWEST)
     np.testing.assert_allclose(there, here, atol=0.01)
+
+
+def test_accessibility_sees_no_obstacle_in_a_point_at_the_same_place():
+    """Along seams, closed to the last bit but not welded, twins are no walls."""
+    sphere = md.samples.sphere(500)
+    points = np.vstack([sphere.vertices, sphere.vertices[:50] * (1 + 3e-16)])
+    normals = np.vstack([sphere.normals, sphere.normals[:50]])
+    np.testing.assert_array_equal(accessible_radii(points, normals, 2.0), 2.0)
