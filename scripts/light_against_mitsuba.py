@@ -91,7 +91,7 @@ class PathTracer:
             now = min(each, paths - done)
             sampler = mi.load_dict({"type": "independent", "sample_count": now})
             sampler.seed(seed + done, count * now)
-            origins = self.places + 1e-3 * self.normals
+            origins = self.places + 1e-4 * self.normals
             rays = mi.RayDifferential3f(
                 mi.Point3f(*_repeated(origins, now)), mi.Vector3f(*_repeated(-self.normals, now))
             )

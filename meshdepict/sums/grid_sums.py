@@ -35,10 +35,10 @@ _COARSE = 16  # cells along the longest side, by which a surface's extent is est
 
 # Seconds of one core, by scripts/cost_constants.py: of a point, sorted and gathered; of a channel
 # of a node that it is spread on, and that it is gathered from; of a tap and channel of the blur.
-_POINT_SECONDS = 60e-9
-_SPREAD_SECONDS = 0.11e-9
-_GATHER_SECONDS = 0.08e-9
-_TAP_SECONDS = 0.06e-9
+_POINT_SECONDS = 1.5e-7
+_SPREAD_SECONDS = 1.2e-10
+_GATHER_SECONDS = 1e-10
+_TAP_SECONDS = 1e-10
 
 
 def rule_for(error: float) -> Rule | None:
