@@ -54,6 +54,10 @@ def load_recipe(path: str | os.PathLike[str]) -> dict[str, Any]:
         raise MeshdepictError(f"{path} can't be read: {error.strerror}") from None
     except RecursionError:
         raise MeshdepictError(f"{path} is no recipe: it nests too deep") from None
+    except UnicodeDecodeError:
+        raise MeshdepictError(
+            f"{path} is no recipe: it is no text. How a mesh was baked says meshdepict info"
+        ) from None
     except ValueError as error:  # TOML's, those of letters, and of numbers of 5,000 digits
         raise MeshdepictError(f"{path} is no recipe in TOML: {error}") from None
     options = read.pop("options", {})

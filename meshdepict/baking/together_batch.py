@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import time
 import warnings
 from dataclasses import dataclass, replace
@@ -93,7 +94,10 @@ class TogetherBatch(Batch):
             if figure is not None:
                 frame(look.eye(scene), scene, figure)  # refuses what is too large, before the work
             look = measured(look, scene, figure)
-            bakes = bake_objects(meshes, [look] * len(meshes), progress=progress)
+            try:
+                bakes = bake_objects(meshes, [look] * len(meshes), progress=progress)
+            except MeshdepictError as error:
+                raise MeshdepictError(_with_file(str(error), jobs)) from None
             for job, baked in zip(jobs, bakes, strict=True):
                 self._save(baked, job.output)
             if picture is not None:
@@ -106,3 +110,8 @@ class TogetherBatch(Batch):
         heard.tell()
         jobs[-1] = replace(jobs[-1], picture=picture)
         return [caption_of(job, baked, seconds) for job, baked in zip(jobs, bakes, strict=True)]
+
+
+def _with_file(said: str, jobs: list[Job]) -> str:
+    """Return a refusal with the file's name in place of the object's number."""
+    return re.sub(r"^object (\d+):", lambda found: f"{jobs[int(found[1]) - 1].source}:", said)

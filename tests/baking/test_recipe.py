@@ -113,7 +113,7 @@ def test_files_that_cannot_be_read(folder):
     with pytest.raises(MeshdepictError, match=r"none.toml can't be read: No such file"):
         load_recipe("none.toml")
     Path("look.toml").write_bytes(b"\xff\xfe")
-    with pytest.raises(MeshdepictError, match="is no recipe in TOML"):
+    with pytest.raises(MeshdepictError, match="is no recipe: it is no text"):
         load_recipe("look.toml")
 
 

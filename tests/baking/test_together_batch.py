@@ -116,7 +116,7 @@ def test_one_alone_terrain_and_files_for_several_are_refused(run, two, folder):
         "bake", "torus.ply", "ball.ply", "--together", "--albedo", "keep", "--quiet"
     )
     assert status == 2
-    assert "object 1: albedo='keep' needs the object's own vertex colours" in err[0]
+    assert "torus.ply: albedo='keep' needs the object's own vertex colours" in err[0]
 
 
 def test_a_fault_of_the_programs_and_full_memory_are_said(run, two, monkeypatch):
