@@ -35,6 +35,28 @@ def _weights(share, table, weights):  # type: ignore[no-untyped-def]
             weights[axis, k] = table[j, k] + part * (table[j + 1, k] - table[j, k])
 
 
+@kernel("free", inline=True)
+def _factors(weight, weights):  # type: ignore[no-untyped-def]
+    """Return six weights, times one."""
+    return (
+        weight * weights[0], weight * weights[1], weight * weights[2], weight * weights[3],
+        weight * weights[4], weight * weights[5],
+    )  # fmt: skip
+
+
+@kernel("free", inline=True)
+def _rows(numbers, at, apart, run):  # type: ignore[no-untyped-def]
+    """Return six rows of so many numbers, the first at a place, each so far after the last."""
+    return (
+        numbers[at : at + run],
+        numbers[at + apart : at + apart + run],
+        numbers[at + 2 * apart : at + 2 * apart + run],
+        numbers[at + 3 * apart : at + 3 * apart + run],
+        numbers[at + 4 * apart : at + 4 * apart + run],
+        numbers[at + 5 * apart : at + 5 * apart + run],
+    )
+
+
 @kernel("free")
 def spread(starts, slots, shares, local, values, table, first, last, grid):  # type: ignore[no-untyped-def]
     """Spread the points of cells [first, last) on their blocks.
@@ -69,18 +91,9 @@ def spread(starts, slots, shares, local, values, table, first, last, grid):  # t
                     for m in range(c):
                         row[k * c + m] = w[0, k] * values[i, m]
                 for z in range(nodes):
-                    h = w[2, z]
-                    a0, a1, a2, a3, a4, a5 = (
-                        h * w[1, 0], h * w[1, 1], h * w[1, 2], h * w[1, 3], h * w[1, 4], h * w[1, 5]
-                    )  # fmt: skip
+                    a0, a1, a2, a3, a4, a5 = _factors(w[2, z], w[1])
                     at = ((local[i, 2] + z) * side + local[i, 1]) * line + local[i, 0] * c
-                    r0, r1, r2, r3, r4, r5 = (
-                        flat[at : at + run], flat[at + line : at + line + run],
-                        flat[at + 2 * line : at + 2 * line + run],
-                        flat[at + 3 * line : at + 3 * line + run],
-                        flat[at + 4 * line : at + 4 * line + run],
-                        flat[at + 5 * line : at + 5 * line + run],
-                    )  # fmt: skip
+                    r0, r1, r2, r3, r4, r5 = _rows(flat, at, line, run)
                     for k in range(run):
                         v = row[k]
                         r0[k] += a0 * v
@@ -138,18 +151,9 @@ def gather(starts, slots, shares, local, table, grid, order, wanted, first, last
             _weights(shares[i], table, w)
             row[:] = np.float32(0)
             for z in range(nodes):
-                h = w[2, z]
-                a0, a1, a2, a3, a4, a5 = (
-                    h * w[1, 0], h * w[1, 1], h * w[1, 2], h * w[1, 3], h * w[1, 4], h * w[1, 5]
-                )  # fmt: skip
+                a0, a1, a2, a3, a4, a5 = _factors(w[2, z], w[1])
                 at = ((local[i, 2] + z) * side + local[i, 1]) * line + local[i, 0] * c
-                r0, r1, r2, r3, r4, r5 = (
-                    flat[at : at + run], flat[at + line : at + line + run],
-                    flat[at + 2 * line : at + 2 * line + run],
-                    flat[at + 3 * line : at + 3 * line + run],
-                    flat[at + 4 * line : at + 4 * line + run],
-                    flat[at + 5 * line : at + 5 * line + run],
-                )  # fmt: skip
+                r0, r1, r2, r3, r4, r5 = _rows(flat, at, line, run)
                 for k in range(run):
                     row[k] += (
                         a0 * r0[k] + a1 * r1[k] + a2 * r2[k] + a3 * r3[k] + a4 * r4[k] + a5 * r5[k]
@@ -196,18 +200,9 @@ def blur(near, grid, taps, before, stride, first, last, out):  # type: ignore[no
             sums = out[i, begin : begin + run]
             sums[:] = np.float32(0)
             for tap in range(0, taps.shape[0], LINES):
-                a0, a1, a2, a3, a4, a5 = (
-                    taps[tap], taps[tap + 1], taps[tap + 2], taps[tap + 3], taps[tap + 4],
-                    taps[tap + 5],
-                )  # fmt: skip
+                a0, a1, a2, a3, a4, a5 = _factors(np.float32(1), taps[tap : tap + LINES])
                 at = (reach - before + tap) * stride
-                r0, r1, r2, r3, r4, r5 = (
-                    lines[at : at + run], lines[at + stride : at + stride + run],
-                    lines[at + 2 * stride : at + 2 * stride + run],
-                    lines[at + 3 * stride : at + 3 * stride + run],
-                    lines[at + 4 * stride : at + 4 * stride + run],
-                    lines[at + 5 * stride : at + 5 * stride + run],
-                )  # fmt: skip
+                r0, r1, r2, r3, r4, r5 = _rows(lines, at, stride, run)
                 for k in range(run):
                     sums[k] += (
                         a0 * r0[k] + a1 * r1[k] + a2 * r2[k] + a3 * r3[k] + a4 * r4[k] + a5 * r5[k]

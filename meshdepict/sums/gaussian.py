@@ -139,7 +139,7 @@ class GaussianSums:
         else:
             direct_cost = _direct_cost(xyz, radius, count, targets)
         rule = grid.rule_for(share)
-        if rule is not None and grid.least_cost(points, wanted, count, rule) < direct_cost:
+        if rule is not None and grid.least_cost(wanted, count, rule) < direct_cost:
             if self._grid is None:
                 self._grid = grid.PointGrid(self._points, channels, self._widths)
             if self._grid.cost(width, rule, wanted) < direct_cost:
@@ -186,7 +186,7 @@ def predicted_seconds(
     radius = math.sqrt(2 * math.log(1 / share))
     direct_cost = _direct_cost(xyz, radius, channels, None)
     cost, rule, count = direct_cost, grid.rule_for(share), len(points)
-    if rule is not None and grid.least_cost(count, count, channels, rule) < direct_cost:
+    if rule is not None and grid.least_cost(count, channels, rule) < direct_cost:
         cost = min(direct_cost, grid.predicted_cost(points, width, rule, channels))
     if (
         cost == direct_cost

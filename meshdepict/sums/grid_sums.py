@@ -33,8 +33,9 @@ _FINEST = 5e6  # widths in the extent of the points, at most: keys stay within 6
 _CORNERS: Ints = np.array([(x, y, z) for z in (0, 1) for y in (0, 1) for x in (0, 1)])
 _COARSE = 16  # cells along the longest side, by which a surface's extent is estimated
 
-# Seconds of one core, by scripts/cost_constants.py: of a point, sorted and gathered; of a channel
-# of a node that it is spread on, and that it is gathered from; of a tap and channel of the blur.
+# Seconds of one core: of a point, sorted and gathered; of a channel of a node that it is spread on,
+# and that it is gathered from; of a tap and channel of the blur. Near what the fit in
+# scripts/cost_constants.py gives, which parts the first two poorly.
 _POINT_SECONDS = 1.5e-7
 _SPREAD_SECONDS = 1.2e-10
 _GATHER_SECONDS = 1e-10
@@ -46,10 +47,9 @@ def rule_for(error: float) -> Rule | None:
     return next((rule for rule in RULES if rule.error <= error), None)
 
 
-def least_cost(points: int, wanted: int, channels: int, rule: Rule) -> float:
-    """Return core-seconds that no sum of ``points`` at so many of them can undercut."""
-    nodes = channels * rule.nodes**3
-    return wanted * (_POINT_SECONDS + _GATHER_SECONDS * nodes) + points * 0.3 * _POINT_SECONDS
+def least_cost(wanted: int, channels: int, rule: Rule) -> float:
+    """Return core-seconds that no sum at so many points on a grid of its own can undercut."""
+    return wanted * (_POINT_SECONDS + _GATHER_SECONDS * channels * rule.nodes**3)
 
 
 def predicted_cost(points: Floats, width: float, rule: Rule, channels: int) -> float:
@@ -67,6 +67,11 @@ def _area(occupied: int, longest: float) -> float:
     return occupied * (longest / _COARSE) ** 2 / 1.5
 
 
+def _blocks(area: float, spacing: float) -> float:
+    """Return about how many blocks a surface touches."""
+    return 8 + 3.3 * area / (BLOCK * spacing) / (BLOCK * spacing)  # no square: it may overflow
+
+
 def _cost(
     points: int, area: float, width: float, leader: float, rule: Rule, channels: int
 ) -> float:
@@ -81,8 +86,7 @@ def _parts(
 ) -> tuple[float, float, float]:
     """Return points, channels of nodes that those are spread on, and of taps of the blur."""
     spacing = leader / rule.density
-    taps = len(blur_taps(rule, width / spacing))
-    blocks = 8 + 3.3 * area / (BLOCK * spacing) / (BLOCK * spacing)  # no square: it may overflow
+    taps, blocks = len(blur_taps(rule, width / spacing)), _blocks(area, spacing)
     nodes = points * rule.nodes**3 * channels
     return points, nodes, 3 * blocks * BLOCK**3 * taps * channels
 
@@ -180,7 +184,9 @@ class PointGrid:
         leader = 0.0
         for following in self._widths:
             ways = [following]
-            if leader and _far(rule, following / leader * rule.density) <= _ROOM:
+            # What doesn't fit at once isn't kept.
+            kept = leader and _blocks(self._area, leader / rule.density) <= _MOST_BLOCKS
+            if kept and _far(rule, following / leader * rule.density) <= _ROOM:
                 ways.append(leader)
             leader = min(ways, key=lambda way: self._seconds(following, way, rule))
             if following == width:
