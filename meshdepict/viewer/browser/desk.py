@@ -22,7 +22,6 @@ from meshdepict.scene.rig import Rig
 from meshdepict.scene.view import View
 from meshdepict.viewer.controls import Control, place_option, slid
 from meshdepict.viewer.packing import sight
-from meshdepict.viewer.page import save_page
 
 if TYPE_CHECKING:
     from meshdepict.baking.baked import Baked
@@ -124,8 +123,6 @@ class Desk:
                 save_recipe(path, self.session.recorded())
             elif kind == "png":
                 baked.picture(path, size=size)
-            elif kind == "html":
-                save_page(baked, path)
             else:
                 baked.save(path)
             return path.read_bytes()
