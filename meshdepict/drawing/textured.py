@@ -65,10 +65,11 @@ def _parts(appearance: Appearance) -> Iterator[tuple[PolyData, Any]]:
         places, pixels = _wrapped(primitive)
         texture = pv.Texture(pixels)
         texture.interpolate = True
-        wrap = ("clamp", "clamp") if primitive.texture is None else primitive.texture.wrap
         texture.mipmap = primitive.texture is not None and primitive.texture.mipmaps
-        ways = {"clamp": "CLAMP_TO_EDGE", "mirror": "MIRRORED_REPEAT", "repeat": "REPEAT"}
-        texture.wrap = texture.WrapType[ways[wrap[0] if wrap[0] == wrap[1] else "repeat"]]
+        texture.SetMaximumAnisotropicFiltering(1)
+        ways = texture.WrapType
+        repeats = primitive.wrap != ("clamp", "clamp")
+        texture.wrap = ways.REPEAT if repeats else ways.CLAMP_TO_EDGE
         yield _polydata(appearance, primitive, points, places), texture
 
 
@@ -89,17 +90,14 @@ def _polydata(
 
 def _wrapped(primitive: Primitive) -> tuple[NDArray[np.float64], NDArray[np.uint8]]:
     """Return places and pixels for VTK, which wraps pictures the same way along both sides."""
-    places, pixels = primitive.texcoords, primitive.pixels
-    wrap = ("clamp", "clamp") if primitive.texture is None else primitive.texture.wrap
-    if wrap[0] == wrap[1]:
-        return places, pixels
-    places = places.copy()
-    for axis, how in enumerate(wrap):
+    places, pixels = primitive.texcoords.copy(), primitive.pixels
+    for axis, how in enumerate(primitive.wrap):
         side = pixels.shape[1 - axis]
         if how == "mirror":  # twice the picture, the second half mirrored, repeats
             turned = np.flip(pixels, 1 - axis)
             parts = (pixels, turned) if axis == 0 else (turned, pixels)  # rows go down
             pixels, places[:, axis] = np.concatenate(parts, 1 - axis), places[:, axis] / 2
-        elif how == "clamp":  # at vertices; between them as it comes
+        elif how == "clamp" and primitive.wrap[1 - axis] != "clamp":
+            # At vertices alone: between them it is as far beyond the edge as they were.
             places[:, axis] = np.clip(places[:, axis], 0.5 / side, 1 - 0.5 / side)
     return places, pixels

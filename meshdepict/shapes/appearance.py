@@ -44,6 +44,11 @@ class Primitive(NamedTuple):
     factor: Floats
 
     @property
+    def wrap(self) -> tuple[str, str]:
+        """Along u and v, what lies beyond the picture's edge: see `WRAPS`."""
+        return ("clamp", "clamp") if self.texture is None else self.texture.wrap
+
+    @property
     def pixels(self) -> NDArray[np.uint8]:
         """The picture (h, w, 3) in 8 bits, times the factor; one white texel without a texture."""
         if self.texture is None:

@@ -6,6 +6,8 @@
 from __future__ import annotations
 
 import io
+import json
+import struct
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -51,6 +53,13 @@ class PackedAppearance:
     data: bytes
     pictures: tuple[bytes, ...] = ()
 
+    @property
+    def whole(self) -> bytes:
+        """All in one: the length of the info (uint32), that as JSON, with `sizes`, and the rest."""
+        parts = (self.data, *self.pictures)
+        said = json.dumps({**self.info, "sizes": [*map(len, parts)]}).encode()
+        return b"".join((struct.pack("<I", len(said)), said, *parts))
+
 
 def pack_appearance(appearance: Appearance) -> PackedAppearance:
     """Pack how a mesh looks."""
@@ -74,7 +83,7 @@ def pack_appearance(appearance: Appearance) -> PackedAppearance:
                 "faces": len(primitive.faces),
                 "wide": wide,
                 "picture": number,
-                "wrap": ("clamp", "clamp") if texture is None else texture.wrap,
+                "wrap": primitive.wrap,
                 "mipmaps": texture is not None and texture.mipmaps,
                 "factor": primitive.factor.tolist(),
                 "colors": colors is not None,
@@ -100,7 +109,7 @@ def _places(primitive: Primitive) -> NDArray[np.int32]:
 
 def _for_browsers(texture: Texture) -> bytes:
     """Return a picture's file as it is, where browsers show the same pixels; else as PNG."""
-    from meshdepict.images.encoded import encode
+    from meshdepict.images.png_files import write_png
 
     pixels = texture.pixels
     if texture.encoded is not None and texture.kind in _SHOWN and pixels.dtype == np.uint8:
@@ -108,7 +117,9 @@ def _for_browsers(texture: Texture) -> bytes:
             return texture.encoded
     elif pixels.dtype == np.uint16:
         pixels = np.rint(pixels / 257).astype(np.uint8)
-    return encode(pixels[..., :3])
+    stream = io.BytesIO()
+    write_png(stream, pixels[..., :3])
+    return stream.getvalue()
 
 
 def _is_turned(picture: bytes) -> bool:

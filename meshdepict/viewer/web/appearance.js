@@ -130,6 +130,18 @@ window.Appearance = (() => {
       }), pictures);
     }
 
+    /* All of it in one: the bytes of `PackedAppearance.whole`. */
+    static received(buffer, mesh) {
+      const length = new DataView(buffer).getUint32(0, true);
+      const info = JSON.parse(new TextDecoder().decode(new Uint8Array(buffer, 4, length)));
+      let start = 4 + length;
+      const [data, ...pictures] = info.sizes.map((size) => {
+        start += size;
+        return buffer.slice(start - size, start);
+      });
+      return Appearance.unpacked(data, info, mesh, pictures.map((each) => new Blob([each])));
+    }
+
     /* Put all of it where the graphics card has it. */
     async load(painter) {
       const largest = painter.gl.getParameter(painter.gl.MAX_TEXTURE_SIZE);

@@ -14,12 +14,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from meshdepict.baking.look import bake
-from meshdepict.baking.own_colors import own_appearance, own_colors
 from meshdepict.drawing.textured import add_appearance
 from meshdepict.errors import MeshdepictError
-from meshdepict.shading.method import LIGHT
-from meshdepict.viewer.light_drag import lights_of
+from meshdepict.viewer.looks_before import colors_before, own_look
 from meshdepict.viewer.session import Session
 from meshdepict.viewer.windows.lit_shape import BEFORE, LitShape
 from meshdepict.viewer.windows.preview import Proxy
@@ -29,26 +26,14 @@ if TYPE_CHECKING:
     from vtkmodules.vtkRenderingCore import vtkActor
 
     from meshdepict.drawing.plotter import Plotter
-    from meshdepict.scales.space import ScaleSpace
     from meshdepict.shapes.appearance import Appearance
     from meshdepict.viewer.live.live_shading import LiveShading
 
-__all__ = ["LitObject", "PaintedMesh", "colors_before"]
+__all__ = ["LitObject", "PaintedMesh"]
 
 AT_VERTICES = "at the vertices"
 
 Chosen = slice | NDArray[np.intp]  # vertices: all, or those of the stand-in
-
-
-def colors_before(session: Session, space: ScaleSpace | None = None) -> NDArray[np.uint8]:
-    """Return the shape's own colours, or Lambert's under the (first) light: (n, 3)."""
-    try:
-        return own_colors(session.shape)
-    except MeshdepictError:
-        lights = lights_of(session.light)
-        light = lights[0] if lights else LIGHT
-        space = session.space if space is None else space
-        return bake(space, "lambert", light=light, view=session.view, up=session.up).colors
 
 
 class PaintedMesh:
@@ -197,7 +182,7 @@ class LitObject(LitShape):
         what = self.compared if self.compared in self.comparisons else BEFORE
         if what == BEFORE and size == "whole":
             if not self._asked_own:
-                self._own, self._asked_own = own_appearance(self._session.surface), True
+                self._own, self._asked_own = own_look(self._session), True
             if self._own is not None and self._own.textures is not None:
                 if BEFORE not in self._laid:
                     self._lay(BEFORE, self._own)
