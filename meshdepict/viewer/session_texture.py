@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from meshdepict.baking.texture_choices import SIZE
+from meshdepict.baking.texture_choices import MOST_TEXELS, SIZE
 from meshdepict.baking.textures import texture_of
 from meshdepict.errors import MeshdepictError
 from meshdepict.shapes.height_field import HeightField
 from meshdepict.shapes.parted import PartedMesh
+from meshdepict.surface.triangle_pairs import least_size
 
 if TYPE_CHECKING:
     from meshdepict.baking.baked_texture import BakedTexture
@@ -25,7 +26,7 @@ class SessionTexture:
     ----------
     session : Session
     size : int
-        Texels along the side.
+        Texels along the side, or more where that has no room for all triangles.
 
     Attributes
     ----------
@@ -76,12 +77,13 @@ class SessionTexture:
         session = self._session
         shape = session.surface
         mesh = shape.before if isinstance(shape, PartedMesh) else shape
+        size = max(self._size, min(least_size(len(mesh.faces)), MOST_TEXELS))
         doing, session.doing = session.doing, "baking the texture"
         try:
-            return texture_of(mesh, look, size=self._size, progress=session.progress)
+            return texture_of(mesh, look, size=size, progress=session.progress)
         except MeshdepictError:
             if mesh.texcoords is None:
                 raise
-            return texture_of(mesh, look, size=self._size, atlas="new", progress=session.progress)
+            return texture_of(mesh, look, size=size, atlas="new", progress=session.progress)
         finally:
             session.doing = doing

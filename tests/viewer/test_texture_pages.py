@@ -44,10 +44,8 @@ def compared(tab, number):  # noqa: F811
     """The canvas with another appearance on its left, nearly to its right edge."""
 
     def choose():
-        tab.js(
-            "(choice => { choice.value = '%s'; choice.dispatchEvent(new Event('change')); })"
-            "(document.querySelector('select'))" % number
-        )
+        tab.js(f"document.querySelector('select').value = '{number}'")
+        tab.js("document.querySelector('select').dispatchEvent(new Event('change'))")
         tab.js("document.querySelector('canvas').focus()")
         for _ in range(30):
             tab.key("]")
@@ -134,7 +132,7 @@ def test_a_texture_of_pairs_is_shown_without_mipmaps(tmp_path):
 
 def test_maps_are_no_pages(tmp_path):
     baked = md.bake_texture(globe(4), size=64, map="normal")
-    with pytest.raises(MeshdepictError, match="end the name with .png"):
+    with pytest.raises(MeshdepictError, match=r"end the name with \.png"):
         baked.save(tmp_path / "globe.html")
 
 
