@@ -60,12 +60,13 @@ def test_a_picture_of_a_texture_is_in_its_view_and_knows_how_it_came_about(tmp_p
         assert image.size[0] == 120
         assert np.asarray(image).std() > 20
     assert "256 x 256" in str(read_picture_provenance(path))
-    pictures = [md.bake_texture(globe(6), "lambert", size=256, light="left", view=view)
+    pictures = [md.bake_texture(globe(6), "lambert", size=256, light="west", view=view)
                 for view in ("left", "right")]  # fmt: skip
     for each, name in zip(pictures, "ab", strict=True):
         each.picture(tmp_path / f"{name}.png", size=(60, 60))
     with Image.open(tmp_path / "a.png") as a, Image.open(tmp_path / "b.png") as b:
-        assert np.array_equal(np.asarray(a), np.asarray(b))  # left of either eye
+        one, other = (np.asarray(each).astype(float) for each in (a, b))
+        assert np.abs(one - other).mean() < 1  # lit from the left of either eye; charts differ
 
 
 def test_a_texture_is_a_picture_in_notebooks_and_a_plot(tmp_path):
