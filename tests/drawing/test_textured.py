@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from PIL import Image
 from textured_shapes import globe
-from textured_views import hill, looked_up, wrapped
+from textured_views import hill, islands, looked_up, wrapped
 
 import meshdepict as md
 from meshdepict.baking.own_colors import own_appearance
@@ -15,6 +15,7 @@ from meshdepict.drawing.picture_files import read_picture_provenance
 from meshdepict.drawing.textured import add_appearance
 from meshdepict.errors import MeshdepictError
 from meshdepict.scene.names import as_view
+from meshdepict.shapes import samples
 
 pytest.importorskip("pyvista")
 
@@ -51,6 +52,21 @@ def test_colours_of_vertices_nearly_multiply_textures_in_linear_light():
 def test_a_baked_texture_is_drawn_as_it_is(atlas):
     baked = md.bake_texture(hill(), "lambert", size=256, atlas=atlas)
     assert differences(baked.appearance).max() <= 2
+
+
+def test_pairs_show_nothing_beside_their_triangles_where_samples_hit_their_edges():
+    import pyvista as pv
+
+    ball = islands(md.bake_texture(samples.sphere(300), "lambert", size=256, atlas="new"))
+    assert (ball.image == 0).mean() > 0.1
+    window = pv.Plotter(off_screen=True, window_size=[200, 200])
+    window.set_background("white")
+    window.render_window.SetMultiSamples(4)
+    add_appearance(window, ball.appearance)
+    window.reset_camera()
+    window.render()
+    assert window.screenshot(return_img=True).min() >= 253  # white on white
+    window.close()
 
 
 def test_a_picture_of_a_texture_is_in_its_view_and_knows_how_it_came_about(tmp_path):
