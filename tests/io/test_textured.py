@@ -76,24 +76,43 @@ def test_a_glb_keeps_its_own_scene_beside_and_a_later_bake_replaces_the_texture(
     assert header(third) == header(second)
 
 
-def test_trimesh_reads_the_texture(baked, tmp_path):
+def middles(points, texcoords, faces):
+    """Places and coordinates in the middle of triangles, in an order of their own."""
+    rows = np.column_stack([points[faces].mean(axis=1), texcoords[faces].mean(axis=1)])
+    return rows[np.lexsort(np.round(rows, 4).T)]
+
+
+def agree(baked, points, texcoords, faces):
+    """The same coordinates at the same places."""
+    count = len(baked.mesh.faces)
+    own = np.arange(3 * count).reshape(-1, 3)
+    corners = baked.mesh.vertices[baked.mesh.faces].reshape(-1, 3)
+    wanted = middles(corners, baked.texcoords.reshape(-1, 2), own)
+    np.testing.assert_allclose(middles(points, texcoords, faces), wanted, atol=2e-6)
+
+
+@pytest.mark.parametrize("suffix", [".glb", ".obj", ".ply"])
+def test_trimesh_reads_the_texture(baked, tmp_path, suffix):
     trimesh = pytest.importorskip("trimesh")
-    for suffix in (".glb", ".obj"):
-        path = baked.save(tmp_path / f"ball{suffix}")
-        found = trimesh.load(path, force="mesh", process=False)
-        shown = found.visual.material
-        image = getattr(shown, "baseColorTexture", None) or getattr(shown, "image", None)
-        assert np.array_equal(np.asarray(image.convert("RGB")), baked.image)
+    path = baked.save(tmp_path / f"ball{suffix}")
+    found = trimesh.load(path, force="mesh", process=False)
+    shown = found.visual.material
+    image = getattr(shown, "baseColorTexture", None) or getattr(shown, "image", None)
+    assert np.array_equal(np.asarray(image.convert("RGB")), baked.image)
+    agree(baked, found.vertices, found.visual.uv, found.faces)
 
 
-def test_vtk_reads_the_texture_of_a_glb(baked, tmp_path):
+@pytest.mark.parametrize("suffix", [".glb", ".obj", ".ply"])
+def test_vtk_reads_the_coordinates(baked, tmp_path, suffix):
     import pyvista as pv
 
-    block = pv.read(baked.save(tmp_path / "ball.glb"))
+    block = pv.read(baked.save(tmp_path / f"ball{suffix}"))
     while isinstance(block, pv.MultiBlock):
         block = block[0]
-    assert block.n_cells == len(baked.mesh.faces)
-    assert block.active_texture_coordinates is not None
+    places = np.array(block.active_texture_coordinates)
+    if suffix == ".glb":  # whose v is down
+        places = places * (1, -1) + (0, 1)
+    agree(baked, np.array(block.points), places, block.regular_faces)
 
 
 def test_obj_keeps_polygons_and_names_a_material_and_a_picture_beside(tmp_path):
