@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from meshdepict.scales.space import ScaleSpace
     from meshdepict.shapes.mesh import Mesh
 
-__all__ = ["comment_lines", "describe", "fitted_text", "was_baked"]
+__all__ = ["comment_lines", "describe", "fitted_text", "sampled_text", "was_baked"]
 
 
 def describe(look: Choices, space: ScaleSpace, *, light: Lighting) -> dict[str, str]:
@@ -79,6 +79,14 @@ def fitted_text(look: Choices) -> str:
         if ends:
             texts.append(f"{name} {' to '.join(ends)}")
     return ", ".join(texts)
+
+
+def sampled_text(provenance: Mapping[str, str]) -> str:
+    """Return how sure light is that was sampled by rays, in a few words; "" where none was."""
+    if found := provenance.get("rays auto"):
+        return f"rays auto: {found}"
+    error = provenance.get("light error")
+    return "" if error is None else f"light off by {error} (rms)"
 
 
 def comment_lines(provenance: Mapping[str, str]) -> list[str]:
