@@ -100,7 +100,7 @@ def comment_lines(provenance: Mapping[str, str]) -> list[str]:
 
 def was_baked(mesh: Mesh) -> bool:
     """Whether a mesh's red, green and blue are those of a former bake."""
-    return isinstance(mesh.document, Document) and bool(mesh.document.provenance)
+    return isinstance(mesh.document, Document) and mesh.document.is_recolored
 
 
 def _beside(space: ScaleSpace) -> dict[str, str]:

@@ -129,7 +129,7 @@ def _write_edited(
         names = {old: old for old in element.names}
         colors: dict[str, Any] = {}
         if name == "vertex" and saving.colors is not None:
-            ours = bool(header.provenance)
+            ours = document.is_recolored
             names = new_names(element.names, ours=ours, keep=saving.keep_colors)
             colors = dict(zip(COLOR, saving.colors.T, strict=True))
         added = {
@@ -179,7 +179,7 @@ def _write_fresh(file: BinaryIO, mesh: Mesh, polygons: Polygons, saving: Saving)
     other polygons than triangles (PyMeshLab, PyVista).
     """
     document = mesh.document if isinstance(mesh.document, Document) else Document()
-    attributes = recolored(mesh.attributes["vertex"], saving, ours=bool(document.provenance))
+    attributes = recolored(mesh.attributes["vertex"], saving, ours=document.is_recolored)
     extra, columns = as_properties(attributes, taken=POSITION)
     kind = exact_float(mesh.vertices)
     properties = [*(Property(name, kind) for name in POSITION), *extra]

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshdepict.errors import MeshdepictWarning
+from meshdepict.files.mark import MARK
 from meshdepict.surface.mesh_input import is_drawable
 from meshdepict.surface.polygons import FacesLike
 
@@ -62,8 +63,7 @@ class Saving(NamedTuple):
 class Document:
     """What a file held beside its mesh.
 
-    ``provenance`` holds the lines that this program wrote into the file: where there are any, the
-    file's red, green and blue are a former bake's, not the object's. ``up`` is the axis that points
+    ``provenance`` holds the lines that this program wrote into the file. ``up`` is the axis that points
     up where the file's format has one. ``formats`` are the suffixes of files that keep what no
     other format does.
     """
@@ -71,6 +71,15 @@ class Document:
     provenance: tuple[str, ...] = ()
     up: str = ""
     formats: tuple[str, ...] = ()
+
+    @property
+    def is_recolored(self) -> bool:
+        """Whether the file's red, green and blue are a former bake's, not the object's.
+
+        They are where this program wrote the file, unless it baked a texture.
+        """
+        textured = any(line.startswith(f"{MARK}texture: ") for line in self.provenance)
+        return bool(self.provenance) and not textured
 
     @property
     def extras(self) -> tuple[str, ...]:
@@ -199,7 +208,7 @@ def only_colors(
     """
     own = all(channel in attributes for channel in COLOR)
     if saving.colors is not None:
-        ours = isinstance(document, Document) and bool(document.provenance)
+        ours = isinstance(document, Document) and document.is_recolored
         kept = new_names(attributes, ours=ours, keep=saving.keep_colors).values()
         if any(f"original_{channel}" in kept for channel in COLOR):
             warnings.warn(

@@ -10,7 +10,7 @@ from textured_shapes import globe, sheet
 
 from meshdepict.baking.textures import bake_texture
 from meshdepict.errors import MeshdepictError
-from meshdepict.io import read_mesh, read_provenance
+from meshdepict.io import read_mesh, read_provenance, write_mesh
 from meshdepict.io.textured import TEXTURED, write_textured
 from meshdepict.shapes import samples
 from meshdepict.shapes.mesh import Mesh
@@ -191,3 +191,26 @@ def test_a_failure_leaves_nothing_half_written(baked, tmp_path, monkeypatch):
         with pytest.raises(MeshdepictError, match="no such folder"):
             baked.save(tmp_path / f"ball{suffix}")
     assert not list(tmp_path.iterdir())
+
+
+# --- colours of vertices beside a baked texture ---------------------------------------------------
+
+
+@pytest.mark.parametrize("suffix", [".glb", ".gltf", ".ply", ".obj"])
+def test_own_colours_stay_the_objects_beside_a_baked_texture(tmp_path, suffix):
+    """Baked once more, the file is shaded in the colours that it had, and not refused."""
+    flat = sheet(4)
+    rng = np.random.default_rng(5)
+    own = dict(zip(("red", "green", "blue"), rng.integers(0, 256, (3, 25), np.uint8), strict=True))
+    mesh = Mesh(flat.vertices, flat.faces, attributes={"vertex": own}).with_textures(flat.textures)
+    write_mesh(tmp_path / f"own{suffix}", mesh)
+    given = read_mesh(tmp_path / f"own{suffix}")
+    words = {"size": 64, "albedo": "keep", "light": (0, 0, 1)}
+    first = bake_texture(given, "lambert", **words)
+    again = read_mesh(first.save(tmp_path / f"baked{suffix}"))
+    assert read_provenance(tmp_path / f"baked{suffix}")
+    assert not again.document.is_recolored
+    if suffix in (".glb", ".gltf"):
+        assert np.array_equal(bake_texture(again, "lambert", **words).image, first.image)
+    found = again.attributes["vertex"]
+    assert all(np.abs(found[name].astype(int) - own[name]).max() <= 1 for name in own)
