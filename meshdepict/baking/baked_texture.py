@@ -78,11 +78,13 @@ class BakedTexture:
         look: Choices,
         *,
         map_kind: str = "color",
+        given: Mesh | None = None,
         again: Callable[..., BakedTexture] | None = None,
     ) -> None:
         self.image, self.look, self.map_kind = image, look, map_kind
         self.provenance = dict(provenance)
         self._source, self._atlas, self._again = source, atlas, again
+        self._given = source if given is None else given  # whose polygons became triangles, maybe
 
     def __repr__(self) -> str:
         """Return what it shows and its size."""
@@ -175,7 +177,9 @@ class BakedTexture:
             from meshdepict.io.textured import write_textured
 
             mesh = self.mesh if image == "png" else self._with_picture(image, quality)
-            write_textured(path, mesh, comments=self.comments, mipmaps=self._atlas.mipmaps)
+            write_textured(
+                path, mesh, given=self._given, comments=self.comments, mipmaps=self._atlas.mipmaps
+            )
         return Path(path)
 
     def _packed(self, kind: str, quality: int | None) -> bytes:

@@ -185,13 +185,13 @@ def texture_of(
         raise MeshdepictError("cage says how far away detail may be: give detail, too, or none")
     mesh = as_mesh(shape)
     found = atlas_of(mesh, size, atlas)
-    given = mesh.textures
+    given = mesh
     if found.kind != "own":
         with warnings.catch_warnings():  # coordinates that were lost are replaced
             warnings.filterwarnings("ignore", "texture coordinates are lost")
             mesh = mesh.as_triangles()
-    texture = _Texture(mesh, found, map_kind, look)
-    return texture.shaded(texture.sampling(given, detail, cage, progress), look, progress)
+    texture = _Texture(mesh, given, found, map_kind, look)
+    return texture.shaded(texture.sampling(given.textures, detail, cage, progress), look, progress)
 
 
 @dataclass(frozen=True, eq=False)
@@ -201,6 +201,8 @@ class _Texture:
     Attributes
     ----------
     mesh : Mesh
+    given : Mesh
+        As it came: with polygons, maybe.
     atlas : Atlas
     map_kind : str
         One of `MAPS`.
@@ -209,6 +211,7 @@ class _Texture:
     """
 
     mesh: Mesh
+    given: Mesh
     atlas: Atlas
     map_kind: str
     chosen: Choices
@@ -289,7 +292,7 @@ class _Texture:
 
         return BakedTexture(
             self.mesh, self.atlas, image, provenance, shading.look.replace(light=shading.light),
-            map_kind=self.map_kind, again=again,
+            map_kind=self.map_kind, given=self.given, again=again,
         )  # fmt: skip
 
     def _shading(self, chosen: Choices, shape: Mesh) -> SampleShading:

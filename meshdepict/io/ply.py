@@ -41,7 +41,7 @@ from meshdepict.surface.polygons import Polygons, as_polygons
 if TYPE_CHECKING:
     from meshdepict.shapes.mesh import Mesh
 
-__all__ = ["decode", "encode", "provenance"]
+__all__ = ["decode", "edited_rows", "encode", "provenance"]
 
 
 def provenance(file: BinaryIO) -> tuple[str, ...]:
@@ -138,7 +138,7 @@ def _write_edited(
             if key not in element.names and len(values) == element.count
         } | colors
         if added:
-            edited[name], changed = _edited(section, names, added, header)
+            edited[name], changed = edited_rows(section, names, added, header)
             rows.append(changed)
         else:
             rows.append(section.rows)
@@ -154,7 +154,7 @@ def _write_edited(
             file.write(part)
 
 
-def _edited(
+def edited_rows(
     section: Section, names: Mapping[str, str], added: Mapping[str, Any], header: Header
 ) -> tuple[list[Property], Any]:
     """Return an element's properties under their new names with new ones, and its rows."""

@@ -29,10 +29,12 @@ __all__ = [
     "new_names",
     "only_colors",
     "recolored",
+    "restored_names",
     "same_vertices",
 ]
 
 COLOR = ("red", "green", "blue")
+_ORIGINALS = tuple(f"original_{channel}" for channel in COLOR)
 
 
 class Contents(NamedTuple):
@@ -63,9 +65,9 @@ class Saving(NamedTuple):
 class Document:
     """What a file held beside its mesh.
 
-    ``provenance`` holds the lines that this program wrote into the file. ``up`` is the axis that points
-    up where the file's format has one. ``formats`` are the suffixes of files that keep what no
-    other format does.
+    ``provenance`` holds the lines that this program wrote into the file. ``up`` is the axis that
+    points up where the file's format has one. ``formats`` are the suffixes of files that keep what
+    no other format does.
     """
 
     provenance: tuple[str, ...] = ()
@@ -155,6 +157,14 @@ def new_names(names: Iterable[str], *, ours: bool, keep: bool) -> dict[str, str]
             else:
                 renamed[channel] = f"original_{channel}"
     return renamed
+
+
+def restored_names(names: Iterable[str]) -> dict[str, str]:
+    """Return what the properties of vertices are called without a former bake's colours."""
+    return {
+        name: name.removeprefix("original_") if name in _ORIGINALS else name
+        for name in names if name not in COLOR
+    }  # fmt: skip
 
 
 def recolored(attributes: Mapping[str, Any], saving: Saving, *, ours: bool) -> dict[str, Any]:

@@ -130,7 +130,9 @@ def test_obj_keeps_polygons_and_names_a_material_and_a_picture_beside(tmp_path):
     path = baked.save(tmp_path / "out.obj")
     text = path.read_text()
     assert "mtllib out.mtl" in text
-    assert "old" not in text.split("v ", 1)[1]
+    assert "old.mtl" not in text
+    assert "usemtl old" in text
+    assert "newmtl old\n" in (tmp_path / "out.mtl").read_text()
     assert [len(line.split()) - 1 for line in text.splitlines() if line.startswith("f ")] == [4, 3]
     assert "map_Kd out.png" in (tmp_path / "out.mtl").read_text()
     assert sorted(p.name for p in tmp_path.iterdir()) == [
