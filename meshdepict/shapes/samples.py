@@ -2,7 +2,7 @@
 
 Every function takes the wanted number of vertices and returns the mesh whose own count is the
 nearest that its layout has (each docstring says how near). All windings point outwards or up.
-`ct_phantom` is a volume, `terrain` a height field.
+`ct_phantom` is a volume, `terrain` a height field; `tablet` has a texture.
 """
 
 from __future__ import annotations
@@ -18,11 +18,12 @@ from meshdepict.options import Range, check
 from meshdepict.shapes.landscape import terrain, terrain_height
 from meshdepict.shapes.mesh import Mesh
 from meshdepict.shapes.phantom import ct_phantom
+from meshdepict.shapes.tablet import tablet
 from meshdepict.surface.icosahedron import icosphere, lattice_points
 
 __all__ = [
-    "ct_phantom", "golf_ball", "radiating_ridges", "ridge_height", "sphere", "terrain",
-    "terrain_height", "torus", "wavy_sheet",
+    "ct_phantom", "golf_ball", "radiating_ridges", "ridge_height", "sphere", "tablet",
+    "terrain", "terrain_height", "torus", "wavy_sheet",
 ]  # fmt: skip
 
 Floats = NDArray[np.float64]

@@ -256,10 +256,11 @@ def laid_textures(
         normal_texcoords = np.where(has[1][:, None, None], normal_texcoords, texcoords)
     laid = (has[0] | has[1]) & ~bad
     if bad.any():
-        what = "all" if not laid.any() else f"{np.count_nonzero(bad):,}"
+        count = np.count_nonzero(bad)
+        what = "all triangles" if not laid.any() else f"{count:,} triangle{'s' * (count != 1)}"
         warnings.warn(
-            f"{what} triangles with a texture have no coordinates in it, or such as are no "
-            "numbers: they are shown without",
+            f"{what} with a texture {'has' if what.startswith('1 ') else 'have'} no coordinates in "
+            "it, or such as are no numbers: shown without",
             MeshdepictWarning,
             stacklevel=2,
         )

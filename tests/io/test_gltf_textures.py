@@ -468,7 +468,7 @@ def test_quantised_positions_are_for_gltf_alone(tmp_path, build):
     [
         (
             {"uri": "gone.png"},
-            r"names the texture 'gone\.png', which is not there: read without it",
+            r"names the texture 'gone\.png', which is not there: left out",
         ),
         ({"uri": "../up.png"}, r"names the texture '\.\./up\.png', which leads out of its folder"),
         ({"uri": "%2Fetc%2Fhosts"}, "an absolute path: only files in its own folder"),
