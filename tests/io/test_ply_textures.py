@@ -133,7 +133,7 @@ def test_lists_that_do_not_fit_are_left_out(home):
     lines = wedges()
     lines[-1] = "3 0 2 3 4 0 0 1 1 0"
     mesh = read(home, lines)
-    with pytest.warns(MeshdepictWarning, match="1 triangles with a texture have no coordinates"):
+    with pytest.warns(MeshdepictWarning, match="1 triangle with a texture has no coordinates"):
         assert mesh.textures.material.tolist() == [0, -1]
 
 
