@@ -16,6 +16,7 @@ from pathlib import Path
 
 import numpy as np
 
+from meshdepict import samples
 from meshdepict.baking.baked import Baked
 from meshdepict.baking.look import Look
 from meshdepict.baking.objects import bake_on_ground, scene_look, scene_meshes
@@ -37,7 +38,6 @@ from meshdepict.io.folders import RASTERS
 from meshdepict.io.source import FORMATS, WRITABLE, suffix_of
 from meshdepict.options import Values, options_of
 from meshdepict.shading.method import declaration
-from meshdepict.shapes import samples
 from meshdepict.shapes.height_field import HeightField
 from meshdepict.shapes.joined import JoinedMesh
 from meshdepict.shapes.mesh import Mesh

@@ -7,13 +7,12 @@ import pytest
 from textured_shapes import globe, laid, picture, sheet
 
 import meshdepict as md
-from meshdepict import color
+from meshdepict import color, samples
 from meshdepict.baking.textures import bake_texture
 from meshdepict.errors import MeshdepictError, MeshdepictWarning
 from meshdepict.images.encoded import kind_of
 from meshdepict.scales.interpolated_scales import InterpolatedSpace
 from meshdepict.scales.making import scale_space
-from meshdepict.shapes import samples
 from meshdepict.shapes.gbuffer import GBuffer
 from meshdepict.shapes.mesh import Mesh
 from meshdepict.shapes.textures import Texture

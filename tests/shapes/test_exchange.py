@@ -6,9 +6,8 @@ import pyvista as pv
 import trimesh
 from conftest import tetrahedron
 
-from meshdepict import bake
+from meshdepict import bake, samples
 from meshdepict.errors import MeshdepictError
-from meshdepict.shapes import samples
 from meshdepict.shapes.mesh import Mesh
 
 # --- from PyVista -----------------------------------------------------------------------------
