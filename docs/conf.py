@@ -22,6 +22,7 @@ extensions = [
     "sphinx_gallery.gen_gallery",
     "before_after",
     "mathml",
+    "licence_table",
     "method_pages",
     "start_pictures",
     "reference_pages",
@@ -32,7 +33,7 @@ exclude_patterns = [
     "methods/index.in.md",
     "examples",
     "gallery/*.py",
-    "gallery/**/*.ipynb",
+    "**/*.ipynb",
 ]
 source_suffix = {".md": "markdown", ".rst": "restructuredtext"}
 nitpicky = False
@@ -61,6 +62,8 @@ html_static_path = ["static"]
 html_css_files = ["manual.css"]
 html_js_files = ["before_after.js"]
 html_show_sourcelink = False
+html_favicon = "static/favicon.svg"
+html_context = {"default_mode": "auto"}
 html_theme_options = {
     "show_prev_next": True,
     "navigation_with_keys": False,

@@ -16,7 +16,7 @@ from meshdepict.baking.textures import bake_texture
 from meshdepict.cli import main
 from meshdepict.io import write_mesh
 from meshdepict.options import options_of
-from meshdepict.shading import METHODS
+from meshdepict.shading import METHODS, declaration
 
 DOCS = ROOT / "docs"
 PAGES = [DOCS / "index.md", DOCS / "start.md", *sorted((DOCS / "howto").glob("*.md"))]
@@ -114,3 +114,21 @@ def test_the_samples_of_pages_are_there():
     assert all(
         np.isfinite(getattr(samples, name)(100).vertices).all() for name in known - {"terrain"}
     )
+
+
+def test_the_citation_is_of_this_version_and_names_the_four_papers():
+    text = (ROOT / "CITATION.cff").read_text("utf-8")
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
+    assert re.search(r"^version: (.+)$", text, flags=re.M)[1] == project["version"]
+    assert re.search(r"^license: (.+)$", text, flags=re.M)[1] == project["license"]
+    titles = re.findall(r'^    title: "?([^"\n]+)', text, flags=re.M)
+    assert len(titles) == 4
+    for method in ("exaggerated", "light_warping", "radiance_scaling", "light_alignment"):
+        year = re.search(r"\d{4}", declaration(METHODS[method]).source)[0]
+        assert f"    year: {year}\n" in text, method
+
+
+def test_every_picture_of_the_manual_has_words():
+    for page in DOCS.rglob("*.md"):
+        if "_build" not in page.parts:
+            assert not re.findall(r"!\[\s*\]\(", page.read_text("utf-8")), page
