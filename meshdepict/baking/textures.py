@@ -9,15 +9,16 @@ from typing import TYPE_CHECKING, Any
 
 from meshdepict.baking.atlases import Atlas, atlas_of
 from meshdepict.baking.baked_texture import BakedTexture
-from meshdepict.baking.choice_list import LADDER, MESH, SIDES
+from meshdepict.baking.choice_list import LADDER, MESH, SIDES, choice_fields
 from meshdepict.baking.choices import Choices, takes_choices
 from meshdepict.baking.clipping import warn_of_clipping
 from meshdepict.baking.layers import Layered
 from meshdepict.baking.look import Look
+from meshdepict.baking.own_colors import own_colors, surface_tints
 from meshdepict.baking.provenance import describe
 from meshdepict.baking.sample_shading import SampleShading
 from meshdepict.baking.sheets import warn_of_backs
-from meshdepict.baking.surfaces import as_mesh, own_colors, surface_tints, with_choices
+from meshdepict.baking.surfaces import as_mesh, bake_surface, with_choices
 from meshdepict.baking.texel_painting import normal_painter, own_texel_colors, shading_painter
 from meshdepict.baking.texel_sampling import Ladder, TexelSampling, usable_normal_maps
 from meshdepict.baking.texture_choices import MAPS, MOST_TEXELS, SIZE
@@ -30,6 +31,7 @@ from meshdepict.scales.mapped_normals import TangentFrames
 from meshdepict.scene.environment import Environment
 
 if TYPE_CHECKING:
+    from meshdepict.baking.baked import Baked
     from meshdepict.scales.ladder import Progress
     from meshdepict.scales.space import ScaleSpace
     from meshdepict.shapes.mesh import Mesh
@@ -286,8 +288,19 @@ class _Texture:
 
         return BakedTexture(
             self.mesh, self.atlas, image, provenance, shading.look.replace(light=shading.light),
-            map_kind=self.map_kind, again=again,
+            shading.eye, again=again, map_kind=self.map_kind,
+            at_vertices=lambda: self._at_vertices(sampling, shading, chosen),
         )  # fmt: skip
+
+    def _at_vertices(
+        self, sampling: TexelSampling, shading: SampleShading, chosen: Choices
+    ) -> Baked:
+        """Shade the mesh's vertices by a look, of the scale space that texels are samples of."""
+        if sampling.finer is not None or shading.layered is not None:
+            return bake_surface(self.mesh, chosen)
+        look = chosen.replace(light=shading.light, view=shading.eye)
+        usual = {name: choice_fields()[name].default for name in (*LADDER, *SIDES)}
+        return bake_surface(sampling.spaces[shading.look.ladder], look.replace(**usual))
 
     def _shading(self, chosen: Choices, shape: Mesh) -> SampleShading:
         look = chosen.of_kind(MESH).posed(shape)
