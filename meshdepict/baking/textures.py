@@ -33,6 +33,7 @@ from meshdepict.scene.environment import Environment
 if TYPE_CHECKING:
     from meshdepict.baking.baked import Baked
     from meshdepict.scales.ladder import Progress
+    from meshdepict.scales.light_errors import FoundRays
     from meshdepict.scales.space import ScaleSpace
     from meshdepict.shapes.mesh import Mesh
     from meshdepict.shapes.textures import Textures
@@ -186,13 +187,13 @@ def texture_of(
         raise MeshdepictError("cage says how far away detail may be: give detail, too, or none")
     mesh = as_mesh(shape)
     found = atlas_of(mesh, size, atlas)
-    given = mesh.textures
+    given = mesh
     if found.kind != "own":
         with warnings.catch_warnings():  # coordinates that were lost are replaced
             warnings.filterwarnings("ignore", "texture coordinates are lost")
             mesh = mesh.as_triangles()
-    texture = _Texture(mesh, found, map_kind, look)
-    return texture.shaded(texture.sampling(given, detail, cage, progress), look, progress)
+    texture = _Texture(mesh, given, found, map_kind, look)
+    return texture.shaded(texture.sampling(given.textures, detail, cage, progress), look, progress)
 
 
 @dataclass(frozen=True, eq=False)
@@ -202,6 +203,8 @@ class _Texture:
     Attributes
     ----------
     mesh : Mesh
+    given : Mesh
+        As it came: with polygons, maybe.
     atlas : Atlas
     map_kind : str
         One of `MAPS`.
@@ -210,6 +213,7 @@ class _Texture:
     """
 
     mesh: Mesh
+    given: Mesh
     atlas: Atlas
     map_kind: str
     chosen: Choices
@@ -271,15 +275,17 @@ class _Texture:
         """Shade the texels as a look says that reads the same scale spaces."""
         spaces = sampling.spaces
         first = next(iter(spaces.values()))
-        shading = self._shading(chosen, first.surface)
+        shading, found = self._shading(chosen, first.surface), None
         if self.map_kind == "normal":
             frames = TangentFrames(self.mesh, self.mesh.normals, self.atlas.texcoords)
             paint = normal_painter(frames)
         else:
-            shading = self._settled(shading, sampling)
+            shading, found = self._settled(shading, sampling)
             paint = shading_painter(shading, spaces, sampling.albedo)
         image = sampling.image(paint, progress=progress)
         provenance = describe(shading.look, max(spaces.items())[1], light=shading.light)
+        if found is not None:
+            provenance["rays auto"] = str(found)
         provenance["texture"] = f"{self.map_kind}, {sampling.described}"
 
         def again(**changes: Any) -> BakedTexture:
@@ -288,7 +294,7 @@ class _Texture:
 
         return BakedTexture(
             self.mesh, self.atlas, image, provenance, shading.look.replace(light=shading.light),
-            shading.eye, again=again, map_kind=self.map_kind,
+            shading.eye, again=again, map_kind=self.map_kind, given=self.given,
             at_vertices=lambda: self._at_vertices(sampling, shading, chosen),
         )  # fmt: skip
 
@@ -310,12 +316,17 @@ class _Texture:
             layered = Layered(chosen.replace(view=look.view, up=look.up), MESH)
         return SampleShading(look, look.lighting(eye, MESH), eye, layered)
 
-    def _settled(self, shading: SampleShading, sampling: TexelSampling) -> SampleShading:
-        """Find what follows the shape; say what is too bright."""
+    def _settled(
+        self, shading: SampleShading, sampling: TexelSampling
+    ) -> tuple[SampleShading, FoundRays | None]:
+        """Find what follows the shape, and how many rays are enough; say what is too bright."""
         spaces = sampling.spaces
         for ladder, space in spaces.items():
             _prepare(space, shading.reads(ladder, space.last), None)
-        shading = shading.settled(sampling.spread())
+        spread = sampling.spread()
+        shading, found = shading.settled(spread).sampled(spread)
+        for ladder, space in spaces.items():  # what provenance tells of
+            space.light_errors.update(spread[ladder].light_errors)
         look = shading.look
         if look.tint is not None:
             look, _ = tinted(look, heights_of(next(iter(spaces.values())), look.axis(MESH)))
@@ -325,7 +336,7 @@ class _Texture:
             warn_of_clipping(
                 look, light, shading.values(spaces), lambda other: other.shade(space, light, eye)
             )
-        return shading
+        return shading, found
 
 
 def _refuse_new_samples(changes: Mapping[str, Any]) -> None:
