@@ -24,7 +24,7 @@ def compiled(
     Returns
     -------
     (str, bytes) or None
-        What it returns, as `callable_of` wants it, and the object; None where only numba can run it.
+        What it returns, as `callable_of` wants it, and the object; None where numba has to run it.
     """
     import numba
 
@@ -35,7 +35,7 @@ def compiled(
         returns = _returned(made.signature.return_type)
         text = dispatcher.inspect_llvm(types)
         return returns, object_of(text, made.fndesc.llvm_func_name, symbol, keys)
-    except (Unsupported, ):  # or numba is built otherwise by now
+    except (Unsupported, RuntimeError, AttributeError):  # or numba is built otherwise by now
         return None
 
 

@@ -14,6 +14,7 @@ from typing import Any
 from meshdepict.files import cache
 from meshdepict.kernels.arguments import Key, Unsupported, key_of
 from meshdepict.kernels.fingerprint import words_of
+from meshdepict.kernels.intrinsics import Intrinsic
 from meshdepict.kernels.notice import compiling
 
 __all__ = ["FOLDER", "Kernel"]
@@ -38,6 +39,7 @@ class Kernel:
 
     def __init__(self, function: Callable[..., Any], options: Mapping[str, Any]) -> None:
         functools.update_wrapper(self, function)
+        self.__name__ = function.__name__
         self.py_func = function
         self.targetoptions = dict(options)  # where numba looks for "inline"
         self._ready: dict[Key, Callable[..., Any]] = {}
@@ -53,7 +55,9 @@ class Kernel:
         run = self._ready.get(keys)
         if run is None:
             with _making:
-                run = self._ready.get(keys) or self._ready.setdefault(keys, self._made(keys, values))
+                run = self._ready.get(keys)
+                if run is None:
+                    run = self._ready[keys] = self._made(keys, values)
         return run(*values)
 
     def _made(self, keys: Key, values: tuple[Any, ...]) -> Callable[..., Any]:
@@ -73,7 +77,7 @@ class Kernel:
             compiling(self.__name__)
             found = compiled(self.bare, values, keys, symbol)
             if found is None:
-                return self.dispatcher  # type: ignore[no-any-return]
+                return self.dispatcher
             if cache.keep(name, _written(*found)):
                 cache.throw_away_unused(FOLDER)
         returns, data = found
@@ -85,13 +89,13 @@ class Kernel:
         # Set options have no order of their own.
         said = {k: sorted(v) if isinstance(v, set) else v for k, v in self.targetoptions.items()}
         whole = hashlib.sha256(repr(sorted(said.items())).encode())
-        for word in words_of(self.py_func, lambda v: v.fingerprint if type(v) is Kernel else None):
+        for word in words_of(self.py_func, _known):
             whole.update(word.encode() + b"\0")
         return whole.hexdigest()
 
     @functools.cached_property
     def bare(self) -> Any:
-        """numba's own, for machine code alone: nothing that Python could call."""
+        """What numba has for machine code alone: nothing that Python could call."""
         from numba import njit
 
         return njit(**self.targetoptions, no_cpython_wrapper=True, no_cfunc_wrapper=True)(
@@ -100,7 +104,7 @@ class Kernel:
 
     @functools.cached_property
     def dispatcher(self) -> Any:
-        """numba's own, which runs it where kept machine code can't."""
+        """What numba has for Python: it runs it where kept machine code can't."""
         from numba import njit
 
         return njit(**self.targetoptions, cache=True)(self.py_func)
@@ -111,6 +115,10 @@ class Kernel:
         from numba import types
 
         return types.Dispatcher(self.bare)
+
+
+def _known(value: Any) -> str | None:
+    return value.fingerprint if isinstance(value, (Kernel, Intrinsic)) else None
 
 
 def _written(returns: str, data: bytes) -> bytes:

@@ -30,8 +30,8 @@ RETURNED = {
     "uint64": ctypes.c_uint64, "float32": ctypes.c_float, "float64": ctypes.c_double,
 }  # fmt: skip
 
-# Of numba's runtime: a block begins with its count of references, two fields for a destructor, where
-# the data begin, and their size. Counting is numba's own text; only the last owner comes here.
+# Of numba's runtime: a block begins with its count of references, two fields for a destructor,
+# where the data begin, and their size. Counting is numba's own; only the last owner comes here.
 _RUNTIME = """
 declare ptr @malloc(i64)
 declare void @free(ptr)
@@ -159,9 +159,10 @@ def _target() -> Any:
         with suppress(RuntimeError, AttributeError):  # newer ones begin by themselves
             getattr(llvm, begin)()
     triple = llvm.get_process_triple()
+    near = triple.startswith(("x86", "i686"))  # where a JIT needs it
     return llvm.Target.from_triple(triple).create_target_machine(
         cpu=llvm.get_host_cpu_name(), features=llvm.get_host_cpu_features().flatten(), opt=3,
-        reloc="static" if triple.startswith(("x86", "i686")) else "default", codemodel="jitdefault", jit=True,
+        reloc="static" if near else "default", codemodel="jitdefault", jit=True,
     )  # fmt: skip
 
 
