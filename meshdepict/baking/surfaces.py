@@ -200,6 +200,10 @@ def as_solid(shape: object, *, winding: str = "auto") -> Mesh | HeightField:
         return shape
     if isinstance(shape, (str, os.PathLike)):
         from meshdepict.io import read_mesh
+        from meshdepict.io.source import begins_as_ply
+
+        if begins_as_ply(shape):  # the usual case: no reader of anything else is loaded
+            return read_mesh(shape, winding=winding)
         from meshdepict.io.heightfields import is_heightfield_path, read_heightfield
 
         if is_heightfield_path(shape):
