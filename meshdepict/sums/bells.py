@@ -64,15 +64,19 @@ def bell(x: Floats, rule: Rule) -> Floats:
 
 
 @functools.cache
-def weight_table(rule: Rule) -> NDArray[np.float32]:
-    """Return the weights (STEPS + 1, nodes) of a point's nodes.
+def weight_table(rule: Rule, room: int) -> NDArray[np.float32]:
+    """Return the weights (STEPS + 1, 2, room) of a point's nodes, and their steps to the next row.
 
     Row by row for points that are farther beyond their first node: by ``nodes / 2 − 1`` in the
-    first row, and by one more in the last.
+    first row, and by one more in the last. Where a bell has fewer nodes than there is room for,
+    zeros follow.
     """
     share = np.arange(STEPS + 1) / STEPS
     ahead = rule.nodes / 2 - 1
-    return bell(np.arange(rule.nodes) - ahead - share[:, None], rule).astype(np.float32)
+    table = np.zeros((STEPS + 1, 2, room), np.float32)
+    table[:, 0, : rule.nodes] = bell(np.arange(rule.nodes) - ahead - share[:, None], rule)
+    table[:-1, 1] = np.diff(table[:, 0], axis=0)
+    return table
 
 
 @functools.lru_cache(maxsize=64)
