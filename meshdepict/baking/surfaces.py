@@ -335,6 +335,8 @@ def _mesh_colors(mesh: Mesh) -> NDArray[np.uint8]:
 def refuse_other_scales(space: ScaleSpace, chosen: Choices) -> None:
     """Refuse to ask a finished scale space for what it wasn't made with."""
     for name in LADDER:
+        if name in chosen.taken:
+            continue  # nobody asked for it by name
         value = getattr(chosen, name)
         if value not in (choice_fields()[name].default, getattr(space, name, None)):
             raise MeshdepictError(
