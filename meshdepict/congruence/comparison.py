@@ -190,8 +190,10 @@ def compare(
     functions = _by_name(usual_methods() if methods is None else methods)
     seen = Look(
         view=view, up=up, creases=creases, normals=normals, z_factor=z_factor,
-        accuracy=accuracy, **({} if tolerance is None else {"tolerance": tolerance}),
+        accuracy=accuracy,
     )  # fmt: skip
+    if tolerance is not None:
+        seen = seen.replace(tolerance=tolerance)
     solid = as_solid(shape)
     seen.of_kind(solid.kind)  # refuses what is about other kinds
     mesh = with_choices(solid, seen)
