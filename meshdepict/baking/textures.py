@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 import warnings
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
@@ -9,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from meshdepict.baking.atlases import Atlas, atlas_of
 from meshdepict.baking.baked_texture import BakedTexture
+from meshdepict.baking.budget import within_budget
 from meshdepict.baking.choice_list import LADDER, MESH, SIDES, choice_fields
 from meshdepict.baking.choices import Choices, takes_choices
 from meshdepict.baking.clipping import warn_of_clipping
@@ -162,9 +164,11 @@ def texture_of(
     map_kind: str = "color",
     detail: object = None,
     cage: float | str | None = None,
+    spent: float = 0.0,
     progress: Progress | None = None,
 ) -> BakedTexture:
-    """Shade a mesh's texture by a look; see `bake_texture`."""
+    """Shade a mesh's texture by a look; see `bake_texture`. Seconds may be ``spent`` already."""
+    begun = time.perf_counter()
     look = checked_look(look, map_kind)
     count = real(size)
     if count is None or not count.is_integer() or not 16 <= count <= MOST_TEXELS:
@@ -186,6 +190,9 @@ def texture_of(
     if cage is not None and detail is None:
         raise MeshdepictError("cage says how far away detail may be: give detail, too, or none")
     mesh = as_mesh(shape)
+    spent += time.perf_counter() - begun
+    whole = mesh if detail is None else as_mesh(detail)
+    look, allowed = within_budget(look, whole, spent=spent, writes=True, texels=size * size)
     found = atlas_of(mesh, size, atlas)
     given = mesh
     if found.kind != "own":
@@ -193,7 +200,11 @@ def texture_of(
             warnings.filterwarnings("ignore", "texture coordinates are lost")
             mesh = mesh.as_triangles()
     texture = _Texture(mesh, given, found, map_kind, look)
-    return texture.shaded(texture.sampling(given.textures, detail, cage, progress), look, progress)
+    sampling = texture.sampling(given.textures, None if detail is None else whole, cage, progress)
+    baked = texture.shaded(sampling, look, progress)
+    if allowed is not None:
+        baked.provenance["budget"] = str(allowed)
+    return baked
 
 
 @dataclass(frozen=True, eq=False)

@@ -32,6 +32,7 @@ _KINDS = {"-o": ".png", "--csv": ".csv", "--html": ".html"}
         "refine",
         "albedo",
         "two_sided",
+        "budget",
     ),
     options=False,
 )

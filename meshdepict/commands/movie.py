@@ -23,7 +23,9 @@ from meshdepict.errors import MeshdepictError
 __all__ = ["movie"]
 
 
-@takes_words(without=("colormap2d", "blend", "tint", "albedo", "refine", "transfer", "ground"))
+@takes_words(
+    without=("colormap2d", "blend", "tint", "albedo", "refine", "transfer", "ground", "budget")
+)
 def movie(
     source: Annotated[Path | None, Parameter(name="INPUT")] = None,
     /,

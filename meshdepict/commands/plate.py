@@ -23,7 +23,7 @@ from meshdepict.console import notes, progress_bar, say
 __all__ = ["plate"]
 
 
-@takes_words(without=("method", "light", "view", "refine", "ground"), options=False)
+@takes_words(without=("method", "light", "view", "refine", "ground", "budget"), options=False)
 def plate(
     *inputs: Annotated[Path, Parameter(name="FILE")],
     output: Annotated[Path | None, Parameter(name=["--output", "-o"], group=FILES)] = None,

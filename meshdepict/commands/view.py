@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 __all__ = ["view"]
 
 
-@takes_words(without=("colormap2d", "blend", "tint", "albedo", "refine", "ground"))
+@takes_words(without=("colormap2d", "blend", "tint", "albedo", "refine", "ground", "budget"))
 def view(
     input_: Annotated[Path | None, Parameter(name="INPUT")] = None,
     /,
