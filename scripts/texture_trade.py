@@ -2,8 +2,8 @@
 
     python scripts/texture_trade.py > tables.md      # two minutes
 
-Prints Markdown for docs/textures.md: grey levels of a sphere, of the tablet of the samples, and of
-the bunny in the folder that MESHDEPICT_DATA names, if it is set.
+Prints Markdown for docs/textures.md: grey levels of a sphere, of the photographed tablet of the
+samples, and of the bunny in the folder that MESHDEPICT_DATA names, if it is set.
 """
 
 from __future__ import annotations
@@ -80,7 +80,7 @@ def shapes() -> dict[str, tuple[Mesh, int, tuple[str, ...]]]:
     """Return meshes by name, with the size of their textures and their atlases."""
     found: dict[str, tuple[Mesh, int, tuple[str, ...]]] = {
         "sphere": (md.samples.sphere(2_000), 1024, ("new", "xatlas")),
-        "tablet": (md.samples.tablet(), 2048, ("own", "new", "xatlas")),
+        "tablet": (md.samples.photographed_tablet(), 2048, ("own", "new", "xatlas")),
     }
     if folder := os.environ.get("MESHDEPICT_DATA"):
         found["bunny"] = md.read_mesh(Path(folder, "mesh", "bunny_69k.ply")), 4096, ("new",)

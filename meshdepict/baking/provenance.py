@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
+from meshdepict.baking.accuracy import NORMAL
 from meshdepict.baking.layer_list import Layer, blend_text
 from meshdepict.files.mark import MARK, VERSION
 from meshdepict.options import as_text, options_of
@@ -43,6 +44,7 @@ def describe(look: Choices, space: ScaleSpace, *, light: Lighting) -> dict[str, 
             f"{name}={as_text(value)}" for name, value in values.items() if value is not None
         ),
         "scales": _scales(space),
+        **({} if look.accuracy == NORMAL else {"accuracy": look.accuracy}),
         **({"occlusion": "; ".join(occlusion)} if occlusion else {}),
         **_sampled_light(look, space),
         **_sharp(space.shape),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 import warnings
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
@@ -9,15 +10,17 @@ from typing import TYPE_CHECKING, Any
 
 from meshdepict.baking.atlases import Atlas, atlas_of
 from meshdepict.baking.baked_texture import BakedTexture
-from meshdepict.baking.choice_list import LADDER, MESH, SIDES
+from meshdepict.baking.budget import within_budget
+from meshdepict.baking.choice_list import LADDER, MESH, SIDES, choice_fields
 from meshdepict.baking.choices import Choices, takes_choices
 from meshdepict.baking.clipping import warn_of_clipping
 from meshdepict.baking.layers import Layered
 from meshdepict.baking.look import Look
+from meshdepict.baking.own_colors import own_colors, surface_tints
 from meshdepict.baking.provenance import describe
 from meshdepict.baking.sample_shading import SampleShading
 from meshdepict.baking.sheets import warn_of_backs
-from meshdepict.baking.surfaces import as_mesh, own_colors, surface_tints, with_choices
+from meshdepict.baking.surfaces import as_mesh, bake_surface, with_choices
 from meshdepict.baking.texel_painting import normal_painter, own_texel_colors, shading_painter
 from meshdepict.baking.texel_sampling import Ladder, TexelSampling, usable_normal_maps
 from meshdepict.baking.texture_choices import MAPS, MOST_TEXELS, SIZE
@@ -30,6 +33,7 @@ from meshdepict.scales.mapped_normals import TangentFrames
 from meshdepict.scene.environment import Environment
 
 if TYPE_CHECKING:
+    from meshdepict.baking.baked import Baked
     from meshdepict.scales.ladder import Progress
     from meshdepict.scales.light_errors import FoundRays
     from meshdepict.scales.space import ScaleSpace
@@ -160,9 +164,11 @@ def texture_of(
     map_kind: str = "color",
     detail: object = None,
     cage: float | str | None = None,
+    spent: float = 0.0,
     progress: Progress | None = None,
 ) -> BakedTexture:
-    """Shade a mesh's texture by a look; see `bake_texture`."""
+    """Shade a mesh's texture by a look; see `bake_texture`. Seconds may be ``spent`` already."""
+    begun = time.perf_counter()
     look = checked_look(look, map_kind)
     count = real(size)
     if count is None or not count.is_integer() or not 16 <= count <= MOST_TEXELS:
@@ -184,6 +190,9 @@ def texture_of(
     if cage is not None and detail is None:
         raise MeshdepictError("cage says how far away detail may be: give detail, too, or none")
     mesh = as_mesh(shape)
+    spent += time.perf_counter() - begun
+    whole = mesh if detail is None else as_mesh(detail)
+    look, allowed = within_budget(look, whole, spent=spent, writes=True, texels=size * size)
     found = atlas_of(mesh, size, atlas)
     given = mesh
     if found.kind != "own":
@@ -191,7 +200,11 @@ def texture_of(
             warnings.filterwarnings("ignore", "texture coordinates are lost")
             mesh = mesh.as_triangles()
     texture = _Texture(mesh, given, found, map_kind, look)
-    return texture.shaded(texture.sampling(given.textures, detail, cage, progress), look, progress)
+    sampling = texture.sampling(given.textures, None if detail is None else whole, cage, progress)
+    baked = texture.shaded(sampling, look, progress)
+    if allowed is not None:
+        baked.provenance["budget"] = str(allowed)
+    return baked
 
 
 @dataclass(frozen=True, eq=False)
@@ -292,8 +305,19 @@ class _Texture:
 
         return BakedTexture(
             self.mesh, self.atlas, image, provenance, shading.look.replace(light=shading.light),
-            map_kind=self.map_kind, given=self.given, again=again,
+            shading.eye, again=again, map_kind=self.map_kind, given=self.given,
+            at_vertices=lambda: self._at_vertices(sampling, shading, chosen),
         )  # fmt: skip
+
+    def _at_vertices(
+        self, sampling: TexelSampling, shading: SampleShading, chosen: Choices
+    ) -> Baked:
+        """Shade the mesh's vertices by a look, of the scale space that texels are samples of."""
+        if sampling.finer is not None or shading.layered is not None:
+            return bake_surface(self.mesh, chosen)
+        look = chosen.replace(light=shading.light, view=shading.eye)
+        usual = {name: choice_fields()[name].default for name in (*LADDER, *SIDES)}
+        return bake_surface(sampling.spaces[shading.look.ladder], look.replace(**usual))
 
     def _shading(self, chosen: Choices, shape: Mesh) -> SampleShading:
         look = chosen.of_kind(MESH).posed(shape)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from meshdepict.errors import MeshdepictWarning
+from meshdepict.errors import MeshdepictError, MeshdepictWarning
 from meshdepict.files.mark import MARK
 from meshdepict.surface.mesh_input import is_drawable
 from meshdepict.surface.polygons import FacesLike
@@ -184,9 +184,16 @@ def as_bytes(values: NDArray[Any]) -> NDArray[np.uint8]:
 
     Which of them they are, most of the numbers above zero decide: one that is out of range is cut
     off at white, and darkens no other. NaN counts as black.
+
+    Raises
+    ------
+    MeshdepictError
+        For what is no number.
     """
     if values.dtype == np.uint8:
         return values
+    if values.dtype.kind not in "biuf":
+        raise MeshdepictError(f"colours must be real numbers, not {values.dtype}")
     whole = values.dtype.kind in "iu"
     wide = values.astype(np.float32) if values.dtype == np.float16 else values
     finite = values if whole else np.nan_to_num(wide, posinf=255, neginf=0).clip(0, _WHITE)

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from textured_shapes import globe, laid, sheet
 
+from meshdepict import samples
 from meshdepict.baking.atlases import atlas_of
 from meshdepict.baking.texture_choices import ATLASES
 from meshdepict.errors import MeshdepictError, MeshdepictWarning
-from meshdepict.shapes import samples
 from meshdepict.shapes.textures import Textures
 
 

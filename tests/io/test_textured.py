@@ -8,11 +8,11 @@ import pytest
 from PIL import Image
 from textured_shapes import globe, sheet
 
+from meshdepict import samples
 from meshdepict.baking.textures import bake_texture
 from meshdepict.errors import MeshdepictError
 from meshdepict.io import read_mesh, read_provenance, write_mesh
 from meshdepict.io.textured import TEXTURED, write_textured
-from meshdepict.shapes import samples
 from meshdepict.shapes.mesh import Mesh
 
 

@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 from textured_shapes import globe, laid, picture, sheet
 
+from meshdepict import samples
 from meshdepict.scales.interpolated_scales import InterpolatedSpace
 from meshdepict.scales.making import scale_space
 from meshdepict.scales.mapped_normals import NormalMaps
 from meshdepict.scales.texel_scales import TexelSpace
-from meshdepict.shapes import samples
 from meshdepict.shapes.mesh import Mesh
 from meshdepict.shapes.textures import Textures
 

@@ -25,7 +25,7 @@ def trade():
 
 @pytest.fixture(scope="module")
 def tablet():
-    return md.samples.tablet(800, texels=16)
+    return md.samples.photographed_tablet(800, texels=16)
 
 
 @pytest.mark.parametrize("method", ["exaggerated", "lambert", "radiance_scaling"])

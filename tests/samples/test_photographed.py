@@ -3,14 +3,14 @@
 import numpy as np
 import pytest
 
+from meshdepict import samples
 from meshdepict.baking.textures import bake_texture
 from meshdepict.errors import MeshdepictError
-from meshdepict.shapes import samples
 
 
 @pytest.fixture(scope="module")
 def tablet():
-    return samples.tablet(600, texels=64)
+    return samples.photographed_tablet(600, texels=64)
 
 
 def test_it_is_closed_and_looks_outwards(tablet):
@@ -37,19 +37,19 @@ def test_two_materials_lie_in_one_square_that_repeats(tablet):
 
 
 def test_its_pictures_go_on_beyond_their_edges():
-    for texture in samples.tablet(600, texels=256).textures.base_colors:
+    for texture in samples.photographed_tablet(600, texels=256).textures.base_colors:
         pixels = texture.pixels.astype(float)
         across = np.abs(pixels[:, 0] - pixels[:, -1]).mean()
         assert across < 2 * np.abs(np.diff(pixels, axis=1)).mean()
 
 
 def test_it_is_the_same_every_time_and_refuses_nonsense(tablet):
-    again = samples.tablet(600, texels=64)
+    again = samples.photographed_tablet(600, texels=64)
     np.testing.assert_array_equal(again.vertices, tablet.vertices)
     assert [t.encoded for t in again.textures.base_colors] == [
         t.encoded for t in tablet.textures.base_colors
     ]
-    assert len(samples.tablet(8, texels=1).vertices) == 8
+    assert len(samples.photographed_tablet(8, texels=1).vertices) == 8
     for words in ({"vertices": 7}, {"texels": 0}, {"texels": 9000}):
-        with pytest.raises(MeshdepictError, match=f"tablet: {next(iter(words))}="):
-            samples.tablet(**words)
+        with pytest.raises(MeshdepictError, match=f"photographed_tablet: {next(iter(words))}="):
+            samples.photographed_tablet(**words)

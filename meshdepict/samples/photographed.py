@@ -15,7 +15,7 @@ from meshdepict.options import Range, check
 from meshdepict.shapes.mesh import Mesh
 from meshdepict.shapes.textures import Texture, Textures
 
-__all__ = ["tablet"]
+__all__ = ["photographed_tablet"]
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -30,7 +30,7 @@ _MARGIN = 0.06  # of a chart's field
 _CLAY, _GLAZE = (176, 128, 92), (112, 126, 118)
 
 
-def tablet(
+def photographed_tablet(
     vertices: Annotated[int, Range(8, _MOST)] = 3_000,
     *,
     texels: Annotated[int, Range(1, 8192, help="along the sides of its pictures")] = 512,
@@ -51,7 +51,9 @@ def tablet(
     MeshdepictError
         For an argument out of its range.
     """
-    given = check(tablet, {"vertices": vertices, "texels": texels}, "tablet")
+    given = check(
+        photographed_tablet, {"vertices": vertices, "texels": texels}, "photographed_tablet"
+    )
     count, side = int(given["vertices"]), int(given["texels"])
     cells = max(1, round(((count - 2) / 6) ** 0.5))
     chance = np.random.default_rng(16)
