@@ -16,11 +16,12 @@ from pathlib import Path
 
 import numpy as np
 
+from meshdepict import samples
 from meshdepict.baking.baked import Baked
 from meshdepict.baking.look import Look
 from meshdepict.baking.objects import bake_on_ground, scene_look, scene_meshes
 from meshdepict.baking.pixel_widths import measured
-from meshdepict.baking.provenance import fitted_text
+from meshdepict.baking.provenance import fitted_text, sampled_text
 from meshdepict.baking.refinement import worth_refining
 from meshdepict.baking.smearing import CREASES, NOTEWORTHY, smeared_share
 from meshdepict.baking.surfaces import as_solid, bake_surface, with_choices
@@ -37,7 +38,6 @@ from meshdepict.io.folders import RASTERS
 from meshdepict.io.source import FORMATS, WRITABLE, suffix_of
 from meshdepict.options import Values, options_of
 from meshdepict.shading.method import declaration
-from meshdepict.shapes import samples
 from meshdepict.shapes.height_field import HeightField
 from meshdepict.shapes.joined import JoinedMesh
 from meshdepict.shapes.mesh import Mesh
@@ -372,10 +372,8 @@ def caption_of(job: Job, baked: Baked, seconds: float) -> str:
     parts = [f"{job.output}: {summary(baked.provenance)}"]
     if baked.look is not None and (text := fitted_text(baked.look)):
         parts.append(text)
-    if found := baked.provenance.get("rays auto"):
-        parts.append(f"rays auto: {found}")
-    elif error := baked.provenance.get("light error"):
-        parts.append(f"light off by {error} (rms)")
+    if text := sampled_text(baked.provenance):
+        parts.append(text)
     if job.picture:
         parts.append(f"picture {job.picture}")
     return ", ".join([*parts, f"{seconds:.1f} s"])

@@ -73,7 +73,7 @@ def texture(
         Write them to a file, as they were said: up and view that nobody names are each mesh's own.
     """
     from meshdepict.baking.baked_texture import check_packing, check_texture
-    from meshdepict.baking.provenance import fitted_text
+    from meshdepict.baking.provenance import fitted_text, sampled_text
     from meshdepict.baking.recipe import save_recipe as write_recipe
     from meshdepict.baking.targets import check_target, identities
     from meshdepict.baking.textures import map_method, texture_of
@@ -112,6 +112,7 @@ def texture(
     facts = [
         "" if map_kind != "color" or not wanted.lit else f"light {baked.provenance['light']}",
         fitted_text(baked.look) if map_kind == "color" else "",
+        sampled_text(baked.provenance),
         "" if scales == "0" else _scales(scales),
         f"{size:,} x {size:,} texels",
         f"{time.perf_counter() - start:.1f} s",
