@@ -75,7 +75,7 @@ def _works() -> Iterator[Callable[[], Any]]:
     from meshdepict.scene.environment import Environment
     from meshdepict.shading.method import declaration
     from meshdepict.shading.registry import METHODS, OWN
-    from meshdepict.shapes import samples
+    from meshdepict import samples
 
     small = samples.sphere(1_000)
     ball = samples.golf_ball(_VERTICES)
