@@ -70,12 +70,12 @@ def warm(*, progress: Progress | None = None) -> Warmth:
 
 
 def _works() -> Iterator[Callable[[], Any]]:
+    from meshdepict import samples
     from meshdepict.baking.look import bake, bake_volume
     from meshdepict.baking.textures import bake_texture
     from meshdepict.scene.environment import Environment
     from meshdepict.shading.method import declaration
     from meshdepict.shading.registry import METHODS, OWN
-    from meshdepict import samples
 
     small = samples.sphere(1_000)
     ball = samples.golf_ball(_VERTICES)
