@@ -185,9 +185,9 @@ class Batch:
 
     def _read(self, source: Path | None) -> Mesh | HeightField:
         if source is None:
-            from meshdepict.samples.golf_ball import golf_ball
+            from meshdepict import samples
 
-            return golf_ball()
+            return samples.golf_ball()
         shape = as_solid(source, winding=self.winding)
         if isinstance(shape, Mesh):  # the ground of terrain is wound as it should be
             shape = shape.rewound() if self.fix_winding else shape
