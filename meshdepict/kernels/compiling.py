@@ -4,15 +4,13 @@ from __future__ import annotations
 
 from typing import Any
 
-from meshdepict.kernels.arguments import Key, Unsupported
+from meshdepict.kernels.arguments import NUMBA, Key, Unsupported
 from meshdepict.kernels.machine_code import RETURNED, object_of
 
 __all__ = ["compiled"]
 
 
-def compiled(
-    dispatcher: Any, values: tuple[Any, ...], keys: Key, symbol: str
-) -> tuple[str, bytes] | None:
+def compiled(dispatcher: Any, values: tuple[Any, ...], keys: Key, symbol: str) -> tuple[str, bytes]:
     """Compile a function for arguments of these types.
 
     Parameters
@@ -23,8 +21,9 @@ def compiled(
 
     Returns
     -------
-    (str, bytes) or None
-        What it returns, as `callable_of` wants it, and the object; None where numba has to run it.
+    (str, bytes)
+        What it returns, as `callable_of` wants it, and the object; `NUMBA` and nothing where it
+        asks numba's runtime for more than memory.
     """
     import numba
 
@@ -36,7 +35,7 @@ def compiled(
         text = dispatcher.inspect_llvm(types)
         return returns, object_of(text, made.fndesc.llvm_func_name, symbol, keys)
     except (Unsupported, RuntimeError, AttributeError):  # or numba is built otherwise by now
-        return None
+        return NUMBA, b""
 
 
 def _returned(kind: Any) -> str:
