@@ -14,9 +14,8 @@ from hypothesis import settings
 from promises import promises, watch_parameters, watched_functions  # noqa: F401
 from side_by_side import pytest_xdist_auto_num_workers, share_of_threads  # noqa: F401
 
-from meshdepict import threads
+from meshdepict import samples, threads
 from meshdepict.files import limits
-from meshdepict.shapes import samples
 from meshdepict.shapes.mesh import Mesh
 
 DATA = os.environ.get("MESHDEPICT_DATA")

@@ -16,11 +16,13 @@ from pathlib import Path
 
 import numpy as np
 
+from meshdepict import samples
 from meshdepict.baking.baked import Baked
+from meshdepict.baking.budget import within_budget
 from meshdepict.baking.look import Look
 from meshdepict.baking.objects import bake_on_ground, scene_look, scene_meshes
 from meshdepict.baking.pixel_widths import measured
-from meshdepict.baking.provenance import fitted_text
+from meshdepict.baking.provenance import fitted_text, sampled_text
 from meshdepict.baking.refinement import worth_refining
 from meshdepict.baking.smearing import CREASES, NOTEWORTHY, smeared_share
 from meshdepict.baking.surfaces import as_solid, bake_surface, with_choices
@@ -37,7 +39,6 @@ from meshdepict.io.folders import RASTERS
 from meshdepict.io.source import FORMATS, WRITABLE, suffix_of
 from meshdepict.options import Values, options_of
 from meshdepict.shading.method import declaration
-from meshdepict.shapes import samples
 from meshdepict.shapes.height_field import HeightField
 from meshdepict.shapes.joined import JoinedMesh
 from meshdepict.shapes.mesh import Mesh
@@ -112,9 +113,11 @@ class Batch:
         """Bake everything that can be baked; return how many failed, each with one line."""
         sources: Sequence[Path | None] = self.inputs or [None]
         done, heard = 0, Heard()
-        for job in self._jobs():
+        jobs = self._jobs()
+        spent = time.process_time()  # by the first of them: the program has begun
+        for job in jobs:
             try:
-                line = self._bake(job, heard)
+                line = self._bake(job, heard, spent)
             except MeshdepictError as error:
                 complain(about(job.source, error))
             except MemoryError:
@@ -124,6 +127,7 @@ class Batch:
             else:
                 say(line)
                 done += 1
+            spent = 0.0
         heard.tell()
         if not self.inputs and done and not self.quiet:
             complain(_NEXT)
@@ -204,8 +208,11 @@ class Batch:
             return raised
         return shape if look.ground is None else JoinedMesh(scene_meshes([shape], look))
 
-    def _bake(self, job: Job, heard: Heard) -> str:
-        """Bake one mesh, write the files and return the line about it."""
+    def _bake(self, job: Job, heard: Heard, spent: float = 0.0) -> str:
+        """Bake one mesh, write the files and return the line about it.
+
+        Seconds may be ``spent`` already of its budget.
+        """
         start = time.perf_counter()
         label = job.source.name if job.source else _GOLF_BALL
         with (
@@ -219,7 +226,13 @@ class Batch:
             if job.picture:
                 self._check_fit(shape, look)
             look = measured(look, self._seen(shape, look), self.figure if job.picture else None)
+            spent += time.perf_counter() - start
+            look, allowed = within_budget(
+                look, shape, spent=spent, writes=True, pictured=job.picture is not None
+            )
             baked = bake_on_ground(shape, look, progress=progress)
+            if allowed is not None:
+                baked.provenance["budget"] = str(allowed)
             self._save(baked, job.output)
             if job.first:
                 job = self._show_first(baked, job, look)
@@ -304,7 +317,8 @@ def check_look(look: Look) -> None:
         known = options_of(look.function)
         theirs = (name for name in look.options if isinstance(known[name].accepts, Values))
         usual = {
-            "albedo": "none", "normals": "computed", "z_factor": 1.0, **dict.fromkeys(theirs)
+            "albedo": "none", "normals": "computed", "z_factor": 1.0, "budget": None,
+            **dict.fromkeys(theirs),
         }  # fmt: skip
         if "one_light" in known:
             usual["one_light"] = None  # a sphere has no level ground
@@ -370,12 +384,12 @@ def unexpected(error: Exception) -> MeshdepictError:
 def caption_of(job: Job, baked: Baked, seconds: float) -> str:
     """Return what a plate's caption needs: file, method, light, widths in file units, seconds."""
     parts = [f"{job.output}: {summary(baked.provenance)}"]
+    if allowed := baked.provenance.get("budget"):
+        parts.append(allowed)
     if baked.look is not None and (text := fitted_text(baked.look)):
         parts.append(text)
-    if found := baked.provenance.get("rays auto"):
-        parts.append(f"rays auto: {found}")
-    elif error := baked.provenance.get("light error"):
-        parts.append(f"light off by {error} (rms)")
+    if text := sampled_text(baked.provenance):
+        parts.append(text)
     if job.picture:
         parts.append(f"picture {job.picture}")
     return ", ".join([*parts, f"{seconds:.1f} s"])

@@ -27,7 +27,7 @@ class PrincipalCurvatures(NamedTuple):
     Attributes
     ----------
     k1, k2 : (n,) array of float64
-        |k1| ≥ |k2|; on a sphere of radius r with outward normals both are +1/r.
+        ``|k1| ≥ |k2|``; on a sphere of radius r with outward normals both are +1/r.
     d1, d2 : (n, 3) array of float32
         Unit vectors in the tangent plane; d1, d2 and the normal are right-handed. A direction
         has no sense: d1 and −d1 say the same. Where d1 is not determined (see `anisotropy`) the

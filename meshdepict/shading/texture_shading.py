@@ -63,7 +63,7 @@ def texture_shading(
 ) -> NDArray[np.float32]:
     """Shade by the fractional Laplacian of heights: crests bright, canyons dark, of whatever size.
 
-    Each wave of the ground is scaled by |ω|^detail, in a transform whose edges mirror: ``½ + ½
+    Each wave of the ground is scaled by ``|ω|^detail``, in a transform whose edges mirror: ``½ + ½
     x/√(1 + x²)``, x = contrast · texture/reference.
 
     Parameters

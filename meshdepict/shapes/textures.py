@@ -46,6 +46,8 @@ class Texture:
         Along u and v, each one of `WRAPS`.
     fault : str
         Why there is no picture, a clause whose subject is the mesh's file; "" where there is one.
+    mipmaps : bool
+        Whether smaller copies of the picture are of any use.
     """
 
     name: str
@@ -53,6 +55,20 @@ class Texture:
     kind: str = ""
     wrap: tuple[str, str] = ("repeat", "repeat")
     fault: str = field(default="", kw_only=True)
+    mipmaps: bool = field(default=True, kw_only=True)
+
+    @classmethod
+    def of_pixels(
+        cls,
+        pixels: NDArray[Any],
+        wrap: tuple[str, str] = ("clamp", "clamp"),
+        *,
+        mipmaps: bool = True,
+    ) -> Texture:
+        """Return a texture that was never a file: (h, w, 3 or 4) of uint8 or uint16."""
+        found = cls("", None, "", wrap, mipmaps=mipmaps)
+        vars(found)["pixels"] = pixels
+        return found
 
     @cached_property
     def pixels(self) -> NDArray[Any]:

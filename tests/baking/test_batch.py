@@ -8,12 +8,11 @@ import pytest
 from PIL import Image
 
 import meshdepict as md
-from meshdepict import threads
+from meshdepict import samples, threads
 from meshdepict.baking import batch
 from meshdepict.drawing.picture_files import read_picture_provenance
 from meshdepict.io import read_mesh, read_provenance, write_mesh
 from meshdepict.shading import METHODS, declaration
-from meshdepict.shapes import samples
 
 
 def colors(path):

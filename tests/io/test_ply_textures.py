@@ -162,7 +162,7 @@ def test_pictures_that_are_missing_or_elsewhere_are_one_note(home):
     (home / "paint.png").unlink()
     lines = [line.replace("b c.png", "../b c.png") for line in wedges()]
     with pytest.warns(MeshdepictWarning, match="names the texture 'paint.png', which is not there "
-                      r"\(and 1 more like that\): left as named") as caught:  # fmt: skip
+                      r"\(and 1 more like that\): read without it") as caught:  # fmt: skip
         mesh = read(home, lines)
     assert len(caught) == 1
     with pytest.raises(MeshdepictError, match="which leads out of its folder"):
