@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from meshdepict.kernels.arguments import NUMBA, Key, Unsupported
-from meshdepict.kernels.machine_code import RETURNED, object_of
+from meshdepict.kernels.machine_code import BLOCK, RETURNED, object_of
 
 __all__ = ["compiled"]
 
@@ -31,11 +31,20 @@ def compiled(dispatcher: Any, values: tuple[Any, ...], keys: Key, symbol: str) -
     dispatcher.compile(types)
     made = dispatcher.overloads[types]
     try:
+        _check_layout()
         returns = _returned(made.signature.return_type)
         text = dispatcher.inspect_llvm(types)
         return returns, object_of(text, made.fndesc.llvm_func_name, symbol, keys)
     except (Unsupported, RuntimeError, AttributeError):  # or numba is built otherwise by now
         return NUMBA, b""
+
+
+def _check_layout() -> None:
+    """Refuse a numba whose blocks of memory begin otherwise than ours do."""
+    from numba.core.runtime import nrtdynmod
+
+    if str(nrtdynmod._meminfo_struct_type) != BLOCK:
+        raise Unsupported
 
 
 def _returned(kind: Any) -> str:
