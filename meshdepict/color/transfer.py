@@ -212,7 +212,7 @@ def landmarks(volume: Measured) -> tuple[float, float]:
     sample = np.sort(_sampled(volume), axis=None).astype(np.float64)
     # Times a power of two, which changes no digit: squares then neither overflow nor vanish.
     scale = math.frexp(max(-sample[0], sample[-1]))[1]
-    sample = np.ldexp(sample, -scale - 32)
+    sample = np.ldexp(sample, -scale)
     cumulated = np.cumsum(sample)
     below = np.arange(1, len(sample))
     above = len(sample) - below

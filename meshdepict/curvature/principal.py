@@ -95,7 +95,7 @@ def principal_curvatures(
     ------
     MeshdepictError
         For an unknown method, an argument that the method has no use for, a radius that is no
-        length, and normals of the wrong shape or not of unit length.
+        length or holds too many vertices, and normals of the wrong shape or not of unit length.
     """
     if method not in ESTIMATORS:
         raise MeshdepictError(

@@ -47,10 +47,10 @@ _COARSE = 16  # cells along the longest side, by which a surface's extent is est
 # Seconds of one core: of a point, sorted and gathered; of a channel of a node that it is spread on,
 # and that it is gathered from; of a tap and channel of the blur. Near what the fit in
 # scripts/cost_constants.py gives, which parts the first two poorly.
-_POINT_SECONDS = 1.5e-7
-_SPREAD_SECONDS = 1.2e-10
-_GATHER_SECONDS = 1e-10
-_TAP_SECONDS = 1e-10
+_POINT_SECONDS = 1e-7
+_SPREAD_SECONDS = 5e-11
+_GATHER_SECONDS = 6e-11
+_TAP_SECONDS = 1.3e-10
 
 
 def rule_for(error: float) -> Rule | None:

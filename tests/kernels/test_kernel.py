@@ -110,6 +110,19 @@ def test_what_machine_code_cannot_take_is_left_to_numba(folder):
     assert real(2 + 1j) == 2
 
 
+def test_a_numba_whose_memory_is_laid_out_otherwise_runs_its_own(folder, monkeypatch):
+    from meshdepict.kernels import compiling
+
+    @kernel()
+    def summed(count):
+        return np.ones(count).sum()
+
+    monkeypatch.setattr(compiling, "BLOCK", "{i64, i8*}")
+    assert summed(5) == 5
+    (kept,) = folder.glob("*summed*")
+    assert kept.read_bytes().endswith(b"\n")  # a line that says so, and no machine code
+
+
 def fingerprints(text):
     """Fingerprint of the function f of some lines."""
     names = {"kernel": kernel, "np": np}
