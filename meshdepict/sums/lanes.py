@@ -21,7 +21,7 @@ from numba.extending import intrinsic, register_model
 
 __all__ = [
     "WIDE", "add", "add_each", "add_scaled", "add_to", "fill", "larger", "load", "lowest", "many",
-    "minus", "nothing", "plus", "power_of_two", "store", "store_each", "times", "within",
+    "minus", "nothing", "plus", "power_of_two", "rounded", "store", "store_each", "times", "within",
 ]  # fmt: skip
 
 WIDE = 16
@@ -257,6 +257,21 @@ def within(_: Any, a: Any, b: Any) -> Any:
         return builder.zext(bits, ir.IntType(64))
 
     return types.int64(a, b), code
+
+
+@intrinsic
+def rounded(_: Any, lanes: Any, array: Any) -> Any:
+    """Return vectors of double precision in that of an array."""
+    kind = Lanes(array.dtype, lanes.count)
+
+    def code(context: Any, builder: Any, _: Any, args: Any) -> Any:
+        if kind == lanes:
+            return args[0]
+        whole = context.get_value_type(kind)
+        found = [builder.fptrunc(vector, whole.element) for vector in _apart(builder, args[0])]
+        return _together(builder, whole, found)
+
+    return kind(lanes, array), code
 
 
 @intrinsic
