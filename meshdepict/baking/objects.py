@@ -15,14 +15,9 @@ from meshdepict.baking.choice_list import AUTO, MESH
 from meshdepict.baking.choices import Choices
 from meshdepict.baking.chosen_normals import sides_of
 from meshdepict.baking.mirror_ground import mirrored, mirrored_picture
+from meshdepict.baking.own_colors import own_colors, surface_tints
 from meshdepict.baking.sampling import Place, sampled
-from meshdepict.baking.surfaces import (
-    as_surface,
-    bake_surface,
-    own_colors,
-    surface_tints,
-    with_choices,
-)
+from meshdepict.baking.surfaces import as_surface, bake_surface, with_choices
 from meshdepict.errors import MeshdepictError, MeshdepictWarning
 from meshdepict.options import options_of
 from meshdepict.scales.company import Company

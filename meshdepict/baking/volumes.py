@@ -19,9 +19,9 @@ from meshdepict.baking.surfaces import refuse_other_scales
 from meshdepict.baking.voxel_shading import VoxelShading, voxel_shading
 from meshdepict.errors import MeshdepictError
 from meshdepict.options import real
-from meshdepict.scales.grid_making import MEMORY, sample_bytes, space_of_mask
+from meshdepict.scales.grid_making import sample_bytes, space_of_mask
 from meshdepict.scales.grid_scales import GridSpace
-from meshdepict.scales.ladder import Progress
+from meshdepict.scales.ladder import MEMORY, Progress
 from meshdepict.shapes.height_grids import is_layer
 from meshdepict.voxels.grid_samples import shaded_voxels
 from meshdepict.voxels.grid_sums import Piece

@@ -227,7 +227,7 @@ def _read(
     tilt: str,
 ) -> Volume:
     from meshdepict.io.volumes import read_volume
-    from meshdepict.shapes.phantom import ct_phantom
+    from meshdepict.samples.phantom import ct_phantom
 
     if source is None:
         return ct_phantom((128, 128, 128))

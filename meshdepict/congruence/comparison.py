@@ -74,6 +74,12 @@ class Comparison:
     settings: dict[str, Any]
     seconds: float
 
+    def __repr__(self) -> str:
+        """Return the methods with their mean scores, the best first."""
+        ranked = sorted(zip(self.methods, self.means, strict=True), key=lambda pair: -pair[1])
+        listed = ", ".join(f"{name} {mean:.3f}" for name, mean in ranked)
+        return f"<Comparison under {len(self.lights)} lights: {listed}>"
+
     @property
     def means(self) -> NDArray[np.float64]:
         """(methods,) mean scores over the lights."""

@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 
 import meshdepict as md
+from meshdepict import samples
 from meshdepict.baking import budget, machine
 from meshdepict.baking.accuracy import ACCURACIES
 from meshdepict.baking.budget import predicted_steps, predicted_time, within_budget
 from meshdepict.baking.time_limits import as_seconds
 from meshdepict.errors import MeshdepictError, MeshdepictWarning
-from meshdepict.shapes import samples
 
 BALL = samples.golf_ball(600)
 RANK = {name: place for place, name in enumerate(ACCURACIES)}
