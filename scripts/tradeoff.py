@@ -15,6 +15,7 @@ import argparse
 import json
 import sys
 import time
+import warnings
 from collections.abc import Callable, Iterator
 from dataclasses import asdict
 from pathlib import Path
@@ -25,6 +26,8 @@ import tradeoff_pictures
 import tradeoff_smoothing
 from tables import ROOT
 from tradeoff_subjects import Row
+
+import meshdepict as md
 
 KNOBS: dict[str, Callable[[], Iterator[Row]]] = {
     knob.__name__: knob
@@ -62,6 +65,7 @@ def main() -> None:
     parser.add_argument("--rows", type=Path, default=ROWS)
     parser.add_argument("--out", type=Path, default=ROOT / "docs")
     given = parser.parse_args()
+    warnings.simplefilter("ignore", md.MeshdepictWarning)
     rows = {} if given.anew else kept(given.rows)
     wanted = given.only or [name for name in KNOBS if name not in rows]
     for name in [] if given.page else wanted:

@@ -13,13 +13,14 @@ from meshdepict.scene.environment import Environment
 
 RAYS, EXACT_RAYS = (16, 64, 256, 1024), 2048
 BOUNCES = (0, 1, 2, 3, 5, 8)
+MATT = {"shadows": True, "ambient": 0.0, "diffuse": 0.8, "specular": 0.0}
 LIGHTS = (9, 18, 54, 216, 432, 2048)
 
 
 def rays() -> Iterator[Row]:
     """Send rays from each vertex: how much of the sky is seen, and three bounces under one."""
     methods = {
-        "sky_view": {}, "lambert": {"shadows": True, "bounces": 3, "light": fading()},
+        "sky_view": {}, "phong": {**MATT, "bounces": 3, "light": fading()},
     }  # fmt: skip
     for one in scans()[:1]:
         for method, chosen in methods.items():
@@ -32,10 +33,10 @@ def rays() -> Iterator[Row]:
 
 def bounces() -> Iterator[Row]:
     """Let light go on so often; under a sky that fades from above."""
-    for one in scans():
-        chosen = {"shadows": True, "light": fading(), "rays": 64}
+    for one in scans()[:2]:
+        chosen = {**MATT, "light": fading(), "rays": 64}
         settings = {
-            str(n): lambda n=n, c=chosen, s=one: s.bake("lambert", bounces=n, **c) for n in BOUNCES
+            str(n): lambda n=n, c=chosen, s=one: s.bake("phong", bounces=n, **c) for n in BOUNCES
         }
         yield from trade("bounces", one, settings, exact=str(BOUNCES[-1]))
 

@@ -76,7 +76,7 @@ def tiles() -> Iterator[Row]:
             picture[part.rows, part.columns] = part.colors
         return picture
 
-    settings = {f"{m:g} MB": lambda m=m: relief(m * 1e6) for m in (16, 32, 1000)}
+    settings = {f"{m:g} MB": lambda m=m: relief(m * 1e6) for m in (64, 1000)}
     yield from trade("tile size", ground, settings, exact="1000 MB", seen=lambda found: found)
     settings = {
         f"{m:g} MB": lambda m=m: md.bake_volume(volume.shape, memory=m * 1e6) for m in (8, 1000)
