@@ -8,7 +8,7 @@ import numpy as np
 from conftest import tetrahedron
 from numpy.typing import NDArray
 
-from meshdepict.shapes import samples
+from meshdepict import samples
 
 __all__ = ["LARGE", "SMALL", "strip", "torn_sphere"]
 
