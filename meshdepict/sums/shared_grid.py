@@ -14,15 +14,14 @@ from numpy.typing import NDArray
 
 from meshdepict.sums.bells import RULES, Rule
 from meshdepict.sums.block_kernels import BLOCK
-from meshdepict.sums.block_layout import cells, morton_order
-from meshdepict.sums.grid_sums import _CORNERS, _ROOM, PointGrid, _far, _Points, _Spread, _spread
+from meshdepict.sums.block_layout import Cells
+from meshdepict.sums.grid_sums import PointGrid, _far, _Spread
+from meshdepict.sums.ordered_points import OrderedPoints
 
 __all__ = ["FINEST", "Blocks", "block_reach", "gathered_sums", "spread_blocks"]
 
 FINEST = RULES[-1]
 """The rule of the least error."""
-
-_NEAR = 1 - 2.0**-22
 
 
 class Blocks(NamedTuple):
@@ -44,9 +43,10 @@ def spread_blocks(
     points: NDArray[np.float64], channels: NDArray[Any], width: float, rule: Rule = FINEST
 ) -> Blocks:
     """Spread points (n, 3) with channels (c, n) for a Gaussian of a width."""
-    placed, low = _placed(points, channels, width, rule)
-    spread = _spread(placed, 0, len(placed.cells.keys))
-    return Blocks(_places(spread.keys, placed.cells.step) + low, spread.grid)
+    grid = _Shared(points, channels, width, rule)
+    spread = grid.spread()
+    values = spread.grid.reshape(-1, BLOCK**3 * len(channels))[: len(spread.keys)]
+    return Blocks(grid.places(spread.keys), values.copy())
 
 
 def block_reach(width: float, rule: Rule = FINEST) -> tuple[float, float]:
@@ -74,64 +74,79 @@ def gathered_sums(
         In an order that is always the same; those beyond reach may be missing.
     rule : Rule
     """
-    placed, low = _placed(points, np.zeros((channels, len(points))), width, rule)
-    step = placed.cells.step
-    wanted, _ = placed.touched(0, len(placed.cells.keys))
-    span = _places(wanted, step)
+    grid = _Shared(points, np.zeros((channels, len(points))), width, rule)
+    wanted = grid.wanted()
+    span = grid.places(wanted)
     # Only blocks within reach have a key here: others might share one with these.
     far = _far(rule, rule.density)
     first, last = span.min(axis=0) - far, span.max(axis=0) + far
     found = []
     for part in parts:
-        near = part.places - low
-        inside = ((near >= first) & (near <= last)).all(axis=1)
-        found.append((near[inside] @ step, part.values[inside]))
+        inside = ((part.places >= first) & (part.places <= last)).all(axis=1)
+        found.append((grid.keys(part.places[inside]), part.values[inside]))
     keys = np.unique(np.concatenate([wanted, *(key for key, _ in found)]))
-    grid = np.zeros((len(keys), BLOCK**3 * channels), np.float32)
-    for key, values in found:
-        grid[np.searchsorted(keys, key)] += values  # of one part, each block once
-    slots = np.searchsorted(keys, placed.cells.keys[:, None] + _CORNERS @ step).astype(np.int32)
-    sums = np.zeros((channels, len(points)), np.float32)
-    _Gathering().gather_all(placed, _Spread(keys, slots, grid), width, sums)
-    return sums
+    return grid.gathered(keys, found)
 
 
-class _Gathering(PointGrid):
-    """The half of a grid that gathers."""
+class _Shared(PointGrid):
+    """A grid whose blocks stand where everybody has them.
 
-    def __init__(self) -> None:
-        self._scratch = [np.empty((0, 0), np.float32)] * 2
+    Parameters
+    ----------
+    points : (n, 3) array
+    channels : (c, n) array
+    width : float
+    rule : Rule
+    """
 
-    def gather_all(
-        self, placed: _Points, spread: _Spread, width: float, sums: NDArray[np.float32]
+    def __init__(
+        self, points: NDArray[np.float64], channels: NDArray[Any], width: float, rule: Rule
     ) -> None:
-        """Fill the sums at all points."""
-        self._gather(placed, spread, (0, len(placed.cells.keys)), width, None, sums)
+        self._width, spacing = width, width / rule.density
+        side = BLOCK * spacing
+        self._first = np.floor(points.min(axis=0) / side).astype(np.int64)
+        super().__init__(OrderedPoints(points, channels), origin=self._first * side)
+        self._sort = self._sorted(spacing, rule)
 
+    @property
+    def _cells(self) -> Cells:
+        return self._sort.cells
 
-def _placed(
-    points: NDArray[np.float64], channels: NDArray[Any], width: float, rule: Rule
-) -> tuple[_Points, NDArray[np.int64]]:
-    """Return points in the order of their blocks, and the place that keys are counted from."""
-    spacing = width / rule.density
-    low = points.min(axis=0)
-    longest = float((points.max(axis=0) - low).max()) or 1.0
-    order = morton_order(np.minimum((points - low).T / longest, _NEAR))
-    along = points[order] / spacing - (rule.nodes / 2 - 1)
-    first = np.floor(along)
-    nodes = first.astype(np.int64)
-    block = nodes // BLOCK
-    corner = block.min(axis=0) - _ROOM
-    found = cells((block - corner - _ROOM).astype(np.int32), _ROOM)
-    sort = found.order
-    values = np.ascontiguousarray(channels.T[order], np.float32)
-    local = (nodes - BLOCK * block)[sort].astype(np.int32)
-    shares = (along - first).astype(np.float32)[sort]
-    return _Points(spacing, rule, order[sort], shares, local, values[sort], found), corner
+    def places(self, keys: NDArray[np.int64]) -> NDArray[np.int64]:
+        """Return the places (k, 3) that keys stand for, counted from the origin."""
+        z, rest = np.divmod(keys, self._cells.step[2])
+        y, x = np.divmod(rest, self._cells.step[1])
+        found: NDArray[np.int64] = np.stack([x, y, z], axis=1) + self._cells.low + self._first
+        return found
 
+    def keys(self, places: NDArray[np.int64]) -> NDArray[np.int64]:
+        """Return the keys of places."""
+        found: NDArray[np.int64] = (places - self._first - self._cells.low) @ self._cells.step
+        return found
 
-def _places(keys: NDArray[np.int64], step: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Return the places (k, 3) that keys stand for."""
-    z, rest = np.divmod(keys, step[2])
-    y, x = np.divmod(rest, step[1])
-    return np.stack([x, y, z], axis=1)
+    def wanted(self) -> NDArray[np.int64]:
+        """Return the keys of the blocks that points are gathered from."""
+        return self._sort.touched(0, len(self._cells.keys))[0]
+
+    def spread(self) -> _Spread:
+        """Spread all points."""
+        return self._spread(self._sort, 0, len(self._cells.keys))
+
+    def gathered(
+        self,
+        keys: NDArray[np.int64],
+        parts: Iterable[tuple[NDArray[np.int64], NDArray[np.float32]]],
+    ) -> NDArray[np.float32]:
+        """Return sums (c, n) of parts, keys and the values of their blocks, at all points."""
+        count, channels = self._shape
+        size = BLOCK**3 * channels
+        flat = self._memory(0, len(keys) * size)
+        flat[:] = 0
+        blocks = flat.reshape(-1, size)
+        for some, values in parts:
+            blocks[np.searchsorted(keys, some)] += values  # of one part, each block once
+        sums = np.zeros((count, channels), np.float32)
+        cells = 0, len(self._cells.keys)
+        spread = _Spread(keys, np.empty((0, 8), np.int32), flat)
+        self._gather(self._sort, spread, cells, self._width, None, sums)
+        return sums.T
