@@ -66,8 +66,8 @@ def _measured(pipe: Any, work: Callable[..., Any], arguments: tuple[Any, ...]) -
 
 
 def _warm() -> None:
+    from meshdepict import samples
     from meshdepict.baking.look import Look
-    from meshdepict.shapes import samples
 
     Look().bake(samples.golf_ball(6_000, dimples=12))
 
@@ -76,8 +76,8 @@ def _warm() -> None:
 
 
 def make_ball(path: str, faces: float) -> None:
+    from meshdepict import samples
     from meshdepict.io import write_mesh
-    from meshdepict.shapes import samples
 
     write_mesh(path, samples.golf_ball(int(faces / 2)))
 
@@ -132,7 +132,7 @@ class InHere:
 
 def volume(side: int) -> None:
     from meshdepict.baking.out_of_core import bake_out_of_core
-    from meshdepict.shapes.phantom import ct_phantom
+    from meshdepict.samples.phantom import ct_phantom
 
     head = ct_phantom((side,) * 3)
     with tempfile.TemporaryDirectory() as folder:

@@ -14,15 +14,14 @@ from numpy.typing import NDArray
 
 from meshdepict.sums.bells import RULES, Rule
 from meshdepict.sums.block_kernels import BLOCK
-from meshdepict.sums.block_layout import cells, morton_order
-from meshdepict.sums.grid_sums import _CORNERS, _ROOM, PointGrid, _far, _Points, _Spread, _spread
+from meshdepict.sums.grid_sums import _CORNERS, PointGrid, _far, _Sorted, _Spread
+from meshdepict.sums.lanes import WIDE
+from meshdepict.sums.ordered_points import OrderedPoints
 
 __all__ = ["FINEST", "Blocks", "block_reach", "gathered_sums", "spread_blocks"]
 
 FINEST = RULES[-1]
 """The rule of the least error."""
-
-_NEAR = 1 - 2.0**-22
 
 
 class Blocks(NamedTuple):
@@ -44,9 +43,11 @@ def spread_blocks(
     points: NDArray[np.float64], channels: NDArray[Any], width: float, rule: Rule = FINEST
 ) -> Blocks:
     """Spread points (n, 3) with channels (c, n) for a Gaussian of a width."""
-    placed, low = _placed(points, channels, width, rule)
-    spread = _spread(placed, 0, len(placed.cells.keys))
-    return Blocks(_places(spread.keys, placed.cells.step) + low, spread.grid)
+    own = _Placed(points, channels, width, rule)
+    sort = own.sorted()
+    spread = own._spread(sort, 0, len(sort.cells.keys))
+    places = sort.cells._replace(keys=spread.keys).places(0, len(spread.keys))
+    return Blocks(places + own.base, spread.grid.reshape(-1, own.numbers)[: len(places)].copy())
 
 
 def block_reach(width: float, rule: Rule = FINEST) -> tuple[float, float]:
@@ -74,10 +75,11 @@ def gathered_sums(
         In an order that is always the same; those beyond reach may be missing.
     rule : Rule
     """
-    placed, low = _placed(points, np.zeros((channels, len(points))), width, rule)
-    step = placed.cells.step
-    wanted, _ = placed.touched(0, len(placed.cells.keys))
-    span = _places(wanted, step)
+    own = _Placed(points, np.zeros((channels, len(points))), width, rule)
+    sort = own.sorted()
+    step, low = sort.cells.step, sort.cells.low + own.base
+    wanted, _ = sort.touched(0, len(sort.cells.keys))
+    span = sort.cells._replace(keys=wanted).places(0, len(wanted)) - sort.cells.low
     # Only blocks within reach have a key here: others might share one with these.
     far = _far(rule, rule.density)
     first, last = span.min(axis=0) - far, span.max(axis=0) + far
@@ -87,51 +89,38 @@ def gathered_sums(
         inside = ((near >= first) & (near <= last)).all(axis=1)
         found.append((near[inside] @ step, part.values[inside]))
     keys = np.unique(np.concatenate([wanted, *(key for key, _ in found)]))
-    grid = np.zeros((len(keys), BLOCK**3 * channels), np.float32)
+    flat = np.zeros(len(keys) * own.numbers + WIDE, np.float32)
+    grid = flat[: len(keys) * own.numbers].reshape(-1, own.numbers)
     for key, values in found:
         grid[np.searchsorted(keys, key)] += values  # of one part, each block once
-    slots = np.searchsorted(keys, placed.cells.keys[:, None] + _CORNERS @ step).astype(np.int32)
-    sums = np.zeros((channels, len(points)), np.float32)
-    _Gathering().gather_all(placed, _Spread(keys, slots, grid), width, sums)
-    return sums
+    slots = np.searchsorted(keys, sort.cells.keys[:, None] + _CORNERS @ step).astype(np.int32)
+    sums = np.zeros((len(points), channels), np.float32)
+    spread = _Spread(keys, slots, grid.reshape(-1))
+    own._gather(sort, spread, (0, len(sort.cells.keys)), width, None, sums)
+    return sums.T
 
 
-class _Gathering(PointGrid):
-    """The half of a grid that gathers."""
+class _Placed(PointGrid):
+    """Points on a grid whose nodes stand where they stand for all.
 
-    def __init__(self) -> None:
-        self._scratch = [np.empty((0, 0), np.float32)] * 2
+    Attributes
+    ----------
+    base : (3,) array of int64
+        Blocks from the origin of all coordinates to that of these points.
+    numbers : int
+        Of a block.
+    """
 
-    def gather_all(
-        self, placed: _Points, spread: _Spread, width: float, sums: NDArray[np.float32]
+    def __init__(
+        self, points: NDArray[np.float64], channels: NDArray[Any], width: float, rule: Rule
     ) -> None:
-        """Fill the sums at all points."""
-        self._gather(placed, spread, (0, len(placed.cells.keys)), width, None, sums)
+        super().__init__(OrderedPoints(points, channels))
+        self._spacing, self._rule = width / rule.density, rule
+        side = BLOCK * self._spacing
+        self.base = np.floor(points.min(axis=0) / side).astype(np.int64)
+        self.numbers = BLOCK**3 * len(channels)
+        self._points = (points - self.base * side)[self._order]
 
-
-def _placed(
-    points: NDArray[np.float64], channels: NDArray[Any], width: float, rule: Rule
-) -> tuple[_Points, NDArray[np.int64]]:
-    """Return points in the order of their blocks, and the place that keys are counted from."""
-    spacing = width / rule.density
-    low = points.min(axis=0)
-    longest = float((points.max(axis=0) - low).max()) or 1.0
-    order = morton_order(np.minimum((points - low).T / longest, _NEAR))
-    along = points[order] / spacing - (rule.nodes / 2 - 1)
-    first = np.floor(along)
-    nodes = first.astype(np.int64)
-    block = nodes // BLOCK
-    corner = block.min(axis=0) - _ROOM
-    found = cells((block - corner - _ROOM).astype(np.int32), _ROOM)
-    sort = found.order
-    values = np.ascontiguousarray(channels.T[order], np.float32)
-    local = (nodes - BLOCK * block)[sort].astype(np.int32)
-    shares = (along - first).astype(np.float32)[sort]
-    return _Points(spacing, rule, order[sort], shares, local, values[sort], found), corner
-
-
-def _places(keys: NDArray[np.int64], step: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Return the places (k, 3) that keys stand for."""
-    z, rest = np.divmod(keys, step[2])
-    y, x = np.divmod(rest, step[1])
-    return np.stack([x, y, z], axis=1)
+    def sorted(self) -> _Sorted:
+        """Return the points in the order of their blocks."""
+        return self._sorted(self._spacing, self._rule)

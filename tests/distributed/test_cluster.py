@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from side_pools import Here, rows_of
 
+from meshdepict import samples
 from meshdepict.baking.look import Look
 from meshdepict.baking.relief import Relief
 from meshdepict.distributed import cluster as room
@@ -21,7 +22,6 @@ from meshdepict.distributed.workers import Workers
 from meshdepict.errors import MeshdepictError
 from meshdepict.io import write_mesh
 from meshdepict.io.terrain import Terrain
-from meshdepict.shapes import samples
 
 distributed = pytest.importorskip("distributed")
 

@@ -6,10 +6,10 @@ import shutil
 import pytest
 from side_pools import WorkersHere, rows_of
 
+from meshdepict import samples
 from meshdepict.baking.look import Look
 from meshdepict.distributed.files import FileBatch, Task, bake_file
 from meshdepict.io import read_provenance, write_mesh
-from meshdepict.shapes import samples
 
 
 @pytest.fixture

@@ -5,6 +5,7 @@ import pytest
 from conftest import angle_between
 from side_pools import Here, rows_of
 
+from meshdepict import samples
 from meshdepict.baking.look import Look
 from meshdepict.distributed import mesh_tiles, tile_tasks
 from meshdepict.distributed.mesh_tiles import bake_by_tiles, check_tiles
@@ -13,7 +14,6 @@ from meshdepict.errors import MeshdepictError
 from meshdepict.io import read_mesh, write_mesh
 from meshdepict.io.ply_ranges import PlyRanges
 from meshdepict.scales.making import scale_space
-from meshdepict.shapes import samples
 from meshdepict.shapes.mesh import Mesh
 
 TOLERANCE = 1e-3

@@ -10,7 +10,7 @@ from meshdepict.baking.out_of_core import bake_lazily, bake_out_of_core
 from meshdepict.errors import MeshdepictError
 from meshdepict.files import limits
 from meshdepict.io.volumes import read_volume, write_volume
-from meshdepict.shapes.phantom import ct_phantom
+from meshdepict.samples.phantom import ct_phantom
 from meshdepict.shapes.volume import Volume
 
 zarr = pytest.importorskip("zarr")

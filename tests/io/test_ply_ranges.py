@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
+from meshdepict import samples
 from meshdepict.errors import MeshdepictError
 from meshdepict.io import read_mesh, write_mesh
 from meshdepict.io.ply_ranges import PlyRanges
-from meshdepict.shapes import samples
 from meshdepict.shapes.mesh import Mesh
 
 HEAD = "ply\nformat binary_little_endian 1.0\n"
