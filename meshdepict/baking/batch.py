@@ -112,8 +112,9 @@ class Batch:
         """Bake everything that can be baked; return how many failed, each with one line."""
         sources: Sequence[Path | None] = self.inputs or [None]
         done, heard = 0, Heard()
+        jobs = self.jobs()
         spent = time.process_time()  # by the first of them: the program has begun
-        for job in self.jobs():
+        for job in jobs:
             try:
                 line = self._bake(job, heard, spent)
             except MeshdepictError as error:
@@ -211,10 +212,7 @@ class Batch:
         return shape if look.ground is None else JoinedMesh(scene_meshes([shape], look))
 
     def _bake(self, job: Job, heard: Heard, spent: float = 0.0) -> str:
-        """Bake one mesh, write the files and return the line about it.
-
-        Seconds may be ``spent`` already of its budget.
-        """
+        """Bake one mesh, write the files and return the line about it; see `bake_job`."""
         label = job.source.name if job.source else _GOLF_BALL
         with (
             notes(job.source, quiet=self.quiet, heard=heard),
@@ -226,8 +224,8 @@ class Batch:
         self,
         job: Job,
         *,
-        marks: Mapping[str, str] | None = None,
         spent: float = 0.0,
+        marks: Mapping[str, str] | None = None,
         progress: Progress | None = None,
     ) -> str:
         """Bake one mesh, write the files and return the line about it; what is odd it warns of.
@@ -235,10 +233,10 @@ class Batch:
         Parameters
         ----------
         job : Job
-        marks : mapping of str, optional
-            What else stands in the provenance of what is written.
         spent : float
             Seconds of its budget that are gone already.
+        marks : mapping of str, optional
+            What else stands in the provenance of what is written.
         progress : callable, optional
             ``progress(done, total)``.
 
@@ -260,9 +258,10 @@ class Batch:
             look, shape, spent=spent, writes=True, pictured=job.picture is not None
         )
         baked = bake_on_ground(shape, look, progress=progress)
-        marks = dict(marks or {}) | ({} if allowed is None else {"budget": str(allowed)})
+        if allowed is not None:
+            baked.provenance["budget"] = str(allowed)
         for depiction in filter(None, (baked, baked.scene)):
-            depiction.provenance.update(marks)
+            depiction.provenance.update(marks or {})
         self._save(baked, job.output)
         if job.first:
             job = self._show_first(baked, job, look)

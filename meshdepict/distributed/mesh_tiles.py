@@ -44,7 +44,8 @@ _LEAST = 1000  # vertices of a tile
 _ROWS = 1 << 20  # of the file, that are read at once
 _STEPS = 8
 _NARROW = 8  # a halo may be so many times narrower than a tile
-_UNUSUAL = ("refine", "creases", "ground", "blend", "tint")  # other choices are samples' own
+# Other choices are samples' own.
+_UNUSUAL = ("refine", "creases", "ground", "blend", "tint", "budget")
 
 
 def check_tiles(look: Choices, tile: int) -> Choices:
