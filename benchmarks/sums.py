@@ -14,6 +14,7 @@ from meshdepict import threads
 from meshdepict.sums import direct_sums as direct
 from meshdepict.sums import grid_sums as blocks
 from meshdepict.sums import spectral_sums as spectral
+from meshdepict.sums.ordered_points import OrderedPoints
 
 ERROR = 1e-4  # about what the default tolerance asks of sums
 CELLS = (1_000_000, 2_000_000, 4_000_000, 8_000_000, 16_000_000, 32_000_000, 64_000_000)
@@ -36,13 +37,15 @@ class Direct(_OneCore):
     def setup(self, channels: int) -> None:
         threads.limit(1)
         ball = md.samples.golf_ball(self.vertices)
-        self.xyz = np.ascontiguousarray(ball.vertices.T) / (self.edges * ball.edge_length)
-        self.channels = np.ones((channels, self.xyz.shape[1]), np.float32)
+        self.width = self.edges * ball.edge_length
         self.radius = math.sqrt(2 * math.log(1 / ERROR))
-        direct.direct_sums(self.xyz[:, :200], self.channels[:, :200], self.radius)
+        rows = np.ones((channels, len(ball.vertices)))
+        self.points = ball.vertices
+        self.groups = direct.PointGroups(OrderedPoints(self.points, rows))
+        self.time_summing(channels)
 
     def time_summing(self, channels: int) -> None:
-        direct.direct_sums(self.xyz, self.channels, self.radius)
+        self.groups.sums(self.width, self.radius, np.float32)
 
 
 class Points(_OneCore):
@@ -102,7 +105,8 @@ class Blocks(_OneCore):
         rule = blocks.rule_for(1e-5)
         assert rule is not None
         self.rule, self.width = rule, edges * ball.edge_length
-        self.grid = blocks.PointGrid(ball.vertices, np.ones((channels, len(ball.vertices))))
+        points = OrderedPoints(ball.vertices, np.ones((channels, len(ball.vertices))))
+        self.grid = blocks.PointGrid(points)
         self.grid.sums(self.width, self.rule)
 
     def time_summing(self, channels: int, edges: int, spread: str) -> None:

@@ -14,11 +14,12 @@ TYPE_CHECKING = False  # typing's takes milliseconds; type checkers know the nam
 if TYPE_CHECKING:
     from typing import Any
 
-    from meshdepict import congruence, curvature, shading
+    from meshdepict import congruence, curvature, samples, shading
     from meshdepict.baking.baked import Baked
     from meshdepict.baking.baked_texture import BakedTexture
     from meshdepict.baking.look import bake, bake_together, bake_volume
     from meshdepict.baking.method_list import methods
+    from meshdepict.baking.out_of_core import bake_lazily, bake_out_of_core
     from meshdepict.baking.plates import plate
     from meshdepict.baking.recipe import load_recipe, save_recipe
     from meshdepict.baking.textures import bake_texture
@@ -34,7 +35,6 @@ if TYPE_CHECKING:
     from meshdepict.scene.light import Light
     from meshdepict.scene.view import View
     from meshdepict.shading.method import method
-    from meshdepict.shapes import samples
     from meshdepict.shapes.gbuffer import GBuffer
     from meshdepict.shapes.ground_plane import ground_under
     from meshdepict.shapes.height_field import HeightField
@@ -57,6 +57,8 @@ __all__ = [
     "View",
     "Volume",
     "bake",
+    "bake_lazily",
+    "bake_out_of_core",
     "bake_texture",
     "bake_together",
     "bake_volume",
@@ -95,6 +97,8 @@ _HOME = {
     "View": "scene.view",
     "Volume": "shapes.volume",
     "bake": "baking.look",
+    "bake_lazily": "baking.out_of_core",
+    "bake_out_of_core": "baking.out_of_core",
     "bake_texture": "baking.textures",
     "bake_together": "baking.look",
     "bake_volume": "baking.look",
@@ -113,8 +117,6 @@ _HOME = {
     "smooth_normals": "scales.making",
 }
 
-_MODULES = {"samples": "shapes.samples"}
-
 
 def __getattr__(name: str) -> Any:
     import importlib
@@ -126,7 +128,7 @@ def __getattr__(name: str) -> Any:
     if name in _HOME:
         return getattr(importlib.import_module(f"meshdepict.{_HOME[name]}"), name)
     if name in __all__:
-        return importlib.import_module(f"meshdepict.{_MODULES.get(name, name)}")
+        return importlib.import_module(f"meshdepict.{name}")
     raise AttributeError(f"module 'meshdepict' has no attribute {name!r}")
 
 

@@ -50,18 +50,18 @@ def neighbours(runs: int) -> Iterator[Constant]:
     for channels in (5, 10):
         benchmark = Direct()
         taken = least(benchmark, channels, runs=runs)
-        seconds[channels] = taken / pairs(benchmark.xyz, benchmark.radius)
+        seconds[channels] = taken / pairs(benchmark.points / benchmark.width, benchmark.radius)
     each = (seconds[10] - seconds[5]) / 5
     yield GAUSSIAN, "_PAIR_SECONDS", seconds[10]
     yield GAUSSIAN, "_PAIR_BASE", (seconds[10] - 10 * each) / seconds[10]
     yield GAUSSIAN, "_PAIR_CHANNEL", each / seconds[10]
 
 
-def pairs(xyz: np.ndarray, radius: float) -> float:
+def pairs(points: np.ndarray, radius: float) -> float:
     """Return how many pairs the model takes to be added up: of a sample, scaled up."""
-    few, every = xyz[:, :: max(1, xyz.shape[1] // 64)], xyz.shape[1]
-    squared = ((few[:, :, None] - xyz[:, None, :]) ** 2).sum(axis=0)
-    return float(np.mean(squared <= (1.2 * radius) ** 2)) * every**2
+    few = points[:: max(1, len(points) // 64)]
+    squared = ((few[:, None] - points) ** 2).sum(axis=2)
+    return float(np.mean(squared <= (1.2 * radius) ** 2)) * len(points) ** 2
 
 
 def sparse_grids(runs: int) -> Iterator[Constant]:

@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 
 from meshdepict.baking.provenance import comment_lines, was_baked
 from meshdepict.errors import MeshdepictError
-from meshdepict.io.relief_files import RELIEFS
 from meshdepict.scene.view import View
 from meshdepict.shapes.gbuffer import GBuffer
 from meshdepict.shapes.height_field import HeightField
@@ -291,8 +290,11 @@ class Baked(Depiction):
         """
         if isinstance(self.shape, GBuffer):
             return self.picture(path)
-        if isinstance(self.shape, HeightField) and Path(path).suffix.lower() in RELIEFS:
-            return self._save_relief(self.shape, Path(path))
+        if isinstance(self.shape, HeightField):
+            from meshdepict.io.relief_files import RELIEFS
+
+            if Path(path).suffix.lower() in RELIEFS:
+                return self._save_relief(self.shape, Path(path))
         if Path(path).suffix.lower() in PAGES:
             return self._save_page(path, self.mesh, self.appearances)
         from meshdepict.io import write_mesh

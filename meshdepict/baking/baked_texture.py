@@ -94,10 +94,12 @@ class BakedTexture(Depiction):
         again: Callable[..., BakedTexture],
         at_vertices: Callable[[], Baked],
         map_kind: str = "color",
+        given: Mesh | None = None,
     ) -> None:
         super().__init__(source, provenance, view, look)
         self.image, self.map_kind = image, map_kind
         self._atlas, self._again, self._at_vertices = atlas, again, at_vertices
+        self._given = source if given is None else given  # whose polygons became triangles, maybe
 
     def __repr__(self) -> str:
         """Return what it shows and its size."""
@@ -206,7 +208,9 @@ class BakedTexture(Depiction):
             from meshdepict.io.textured import write_textured
 
             mesh = self.mesh if image == "png" else self._with_picture(image, quality)
-            write_textured(path, mesh, comments=self.comments, mipmaps=self._atlas.mipmaps)
+            write_textured(
+                path, mesh, given=self._given, comments=self.comments, mipmaps=self._atlas.mipmaps
+            )
         return Path(path)
 
     def _save_compared(self, path: str | Path, texture: Texture) -> None:

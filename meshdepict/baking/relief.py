@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
+from meshdepict.baking.budget import Predicted, within_budget
 from meshdepict.baking.choice_list import HEIGHTS
 from meshdepict.baking.choices import Choices
 from meshdepict.baking.layers import Layered
@@ -35,6 +36,7 @@ __all__ = ["HeightWindows", "Relief", "Shaded"]
 
 Floats = NDArray[np.float64]
 
+_PATCH = 64  # cells along the sides of what stands for all of it in predictions
 _CELLS = 1 << 22  # that are read at once where all heights are looked at
 
 
@@ -74,6 +76,9 @@ class Shaded(NamedTuple):
     valid: NDArray[np.bool_]
 
 
+Each = Callable[[Iterable[Window]], Iterable[Shaded]]
+
+
 class Relief:
     """How a terrain is shaded; `windows` does it.
 
@@ -81,6 +86,8 @@ class Relief:
     ----------
     terrain : HeightWindows or HeightField
     look : Choices
+    spent : float
+        Seconds of the look's budget that are gone already.
     memory : float, optional
         Bytes that a window may take; half of the machine's memory unless given, or as
         `files.limits.set_max_memory` was told.
@@ -102,12 +109,18 @@ class Relief:
     """
 
     def __init__(
-        self, terrain: HeightWindows | HeightField, look: Choices, *, memory: float | None = None
+        self,
+        terrain: HeightWindows | HeightField,
+        look: Choices,
+        *,
+        memory: float | None = None,
+        spent: float = 0.0,
     ) -> None:
         self._given: Any = terrain
         self._terrain = _InMemory(terrain) if isinstance(terrain, HeightField) else terrain
         self._memory = max_memory() if memory is None else memory
         self.extent = self._extent(look)
+        look, allowed = self._within(look, spent)
         chosen, look = look, look.of_kind(HEIGHTS)
         if look.refine is not None or look.albedo == "keep":
             word = "refine" if look.refine is not None else "albedo"
@@ -136,6 +149,8 @@ class Relief:
         self.provenance = describe(self.look, typical, light=self._light)
         if found is not None:
             self.provenance["rays auto"] = str(found)
+        if allowed is not None:
+            self.provenance["budget"] = str(allowed)
         if look.z_factor != 1:
             self.provenance["z factor"] = f"{look.z_factor:g}"
         self.kind, self.bands = self._looks()
@@ -150,26 +165,43 @@ class Relief:
         """Whether values are linear light."""
         return self._layered is None and self.look.declared.linear
 
-    def windows(self, progress: Progress | None = None) -> Iterator[Shaded]:
+    def windows(
+        self, progress: Progress | None = None, *, each: Each | None = None
+    ) -> Iterator[Shaded]:
         """Shade window after window.
+
+        Parameters
+        ----------
+        progress : callable, optional
+            ``progress(done, total)``.
+        each : callable, optional
+            Shades windows as `shade` does, in any order: by other processes, perhaps.
 
         Raises
         ------
         MeshdepictError
             Where the terrain can't be read, or no cell of it has a height.
         """
-        some = False
-        for done, window in enumerate(self.cut.windows(), 1):
-            field = self._field(window)
-            some = some or field is not None
-            yield self._shaded(field, window)
+        some, windows = False, self.cut.windows()
+        for done, part in enumerate(map(self.shade, windows) if each is None else each(windows), 1):
+            some = some or bool(part.valid.any())
+            yield part
             if progress:
                 progress(done, len(self.cut))
         if not some:
             raise MeshdepictError(f"{self.extent.name or 'the terrain'} holds no heights")
 
+    def shade(self, window: Window) -> Shaded:
+        """Shade a window."""
+        return self._shaded(self._field(window), window)
+
     def save(
-        self, path: str | Path, *, values: bool = False, progress: Progress | None = None
+        self,
+        path: str | Path,
+        *,
+        values: bool = False,
+        progress: Progress | None = None,
+        each: Each | None = None,
     ) -> Path:
         """Shade all windows and write them on the terrain's grid; see `io.relief_files`.
 
@@ -179,8 +211,8 @@ class Relief:
             Ends in .tif (GeoTIFF), .png or .jpg (with a world file).
         values : bool
             Write what the method returns, as float32 in a GeoTIFF, and no colours.
-        progress : callable, optional
-            ``progress(done, total)``.
+        progress, each
+            As for `windows`.
 
         Raises
         ------
@@ -196,10 +228,19 @@ class Relief:
             )
         kind = "values" if values else self.kind
         with relief_writer(path, like=self._given, kind=kind, provenance=self.provenance) as out:
-            for part in self.windows(progress):
+            for part in self.windows(progress, each=each):
                 shown = part.colors[..., 0] if kind == "gray" else part.colors
                 out.write(part.rows, part.columns, part.values if values else shown, part.valid)
         return Path(path)
+
+    def _within(self, look: Choices, spent: float) -> tuple[Choices, Predicted | None]:
+        """Return a look that its budget allows: predicted by a level patch, for all cells."""
+        if look.budget is None:
+            return look, None
+        level = np.zeros((_PATCH, _PATCH), np.float32)
+        patch = window_of(self.extent, 0, 0, level, np.ones(level.shape, bool))
+        cells = self._terrain.rows * self._terrain.cols
+        return within_budget(look, patch, spent=spent, writes=True, cells=cells)
 
     def _find_rays(self) -> FoundRays | None:
         """Find how many rays it takes, if that is asked: what has rays is one window."""

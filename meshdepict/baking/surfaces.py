@@ -5,6 +5,7 @@ from __future__ import annotations
 import copy
 import functools
 import os
+import time
 from typing import Any
 
 import numpy as np
@@ -12,6 +13,7 @@ from numpy.typing import NDArray
 
 from meshdepict import color
 from meshdepict.baking.baked import Baked
+from meshdepict.baking.budget import within_budget
 from meshdepict.baking.choice_list import LADDER, choice_fields
 from meshdepict.baking.choices import Choices
 from meshdepict.baking.chosen_normals import refuse_other_sides, sides_of, with_chosen_normals
@@ -73,9 +75,11 @@ def _bake_surface(
     told: list[ScaleSpace],
 ) -> Baked:
     """Do what `bake_surface` does; ``told`` are those that know whom to tell how far they are."""
+    begun = time.perf_counter()
     made = isinstance(shape, ScaleSpace)
     mesh = as_surface(shape.shape if made else shape)  # type: ignore[attr-defined]
     kind = mesh.kind
+    look, allowed = within_budget(look, mesh, spent=time.perf_counter() - begun)
     chosen, look = look, look.of_kind(kind)
     scales, ratio = look.ladder
     if not made:
@@ -166,6 +170,8 @@ def _bake_surface(
     if own is not None:
         colors = color.multiply_albedo(colors / np.float32(255), own, linear=False)
     provenance = describe(look, space, light=lamp)
+    if allowed is not None:
+        provenance["budget"] = str(allowed)
     if found is not None:
         provenance["rays auto"] = str(found)
     if look.refine is not None and isinstance(mesh, Mesh):
@@ -200,6 +206,10 @@ def as_solid(shape: object, *, winding: str = "auto") -> Mesh | HeightField:
         return shape
     if isinstance(shape, (str, os.PathLike)):
         from meshdepict.io import read_mesh
+        from meshdepict.io.source import begins_as_ply
+
+        if begins_as_ply(shape):  # the usual case: no reader of anything else is loaded
+            return read_mesh(shape, winding=winding)
         from meshdepict.io.heightfields import is_heightfield_path, read_heightfield
 
         if is_heightfield_path(shape):
@@ -266,6 +276,8 @@ def _refuse_volume(path: str | os.PathLike[str]) -> None:
 def refuse_other_scales(space: ScaleSpace, chosen: Choices) -> None:
     """Refuse to ask a finished scale space for what it wasn't made with."""
     for name in LADDER:
+        if name in chosen.taken:
+            continue  # nobody asked for it by name
         value = getattr(chosen, name)
         if value not in (choice_fields()[name].default, getattr(space, name, None)):
             raise MeshdepictError(

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from meshdepict.scales.patches import PatchSums
 from meshdepict.surface.triangles import mixed_voronoi_areas
+from meshdepict.threads import each, spans, thread_count
 
 if TYPE_CHECKING:
     from meshdepict.shapes.mesh import Mesh
@@ -23,6 +24,9 @@ _LEAST_RESULTANT = 1e-3
 _NO_RESULTANT = 1e-6
 
 _SYMMETRIC = ((0, 0), (1, 1), (0, 1), (0, 2), (1, 2), (2, 2))
+
+
+_NONE = np.empty((0, 3))
 
 
 class NormalSums:
@@ -42,7 +46,7 @@ class NormalSums:
         self.tolerance = tolerance
         self.points, self.channels = mesh.unit_points, self._channels(mesh, corner_normals)
         patches = getattr(mesh, "patches", None)  # beyond a crease is another surface
-        scaled = [self._scaled(width) for width in widths]
+        scaled = [self.scaled(width) for width in widths]
         self._sums = PatchSums(patches, self.points, self.channels, scaled)
 
     def _channels(
@@ -51,30 +55,32 @@ class NormalSums:
         """Return what is summed, (c, n)."""
         if corner_normals is None:
             areas = mesh.unit_areas / (mesh.unit_areas.max() or 1.0)
-            return np.array(self._moments(areas, mesh.normals.T))
+            return np.array(self.moments(areas, mesh.normals.T, self.facing))
         # What lies round a vertex on several sides of a crease counts with the normals of all.
         points, apart = (
             mesh.unit_points[mesh.faces.ravel()],
             np.arange(mesh.faces.size).reshape(-1, 3),
         )
         areas = mixed_voronoi_areas(points, apart)
-        moments = self._moments(areas, corner_normals.reshape(-1, 3).T)
+        moments = self.moments(areas, corner_normals.reshape(-1, 3).T, self.facing)
         at, count = mesh.faces.ravel(), len(mesh.vertices)
         channels = np.array([np.bincount(at, moment, minlength=count) for moment in moments])
         channels /= channels[0].max() or 1.0
         return channels
 
-    def _scaled(self, width: float) -> float:
+    def scaled(self, width: float) -> float:
+        """Return a width in diagonals."""
         # Narrower than any two distinct positions can be apart, a Gaussian is a single point.
         return max(float(width) / self.unit, 1e-18)
 
-    def _moments(
-        self, areas: NDArray[np.float64], n: NDArray[np.float64]
+    @staticmethod
+    def moments(
+        areas: NDArray[np.float64], n: NDArray[np.float64], facing: int
     ) -> list[NDArray[np.float64]]:
         """Return what is to be summed: A, A n and, for facing, A n nᵀ, of normals (3, n)."""
         # F is linear in r·n_j: facing needs the second moments Σ A G n nᵀ and nothing else. Their
         # trace is Σ A G.
-        second = [areas * n[a] * n[b] for a, b in _SYMMETRIC[:-1]] if self.facing else []
+        second = [areas * n[a] * n[b] for a, b in _SYMMETRIC[:-1]] if facing else []
         return [areas, *(areas * n), *second]
 
     def direction(
@@ -90,41 +96,55 @@ class NormalSums:
         """
         # A first pass for resultants that are a fair share of the mass …
         error = self.tolerance / 4
-        scaled = self._scaled(width)
+        scaled = self.scaled(width)
         reference = finer() if self.facing else None
         sums = self._sums.at(scaled, error=error, done=done)
-        vector, mass = self._resultant(sums, reference)
-        length = np.linalg.norm(vector, axis=0)
-        # … and a second for those that cancel: there the sums must be that much finer.
-        some = mass > 0  # nowhere else is there a direction, or an error
-        share = np.maximum(length, _LEAST_RESULTANT * mass) / np.where(some, mass, 1.0)
-        weak = some & (error > self.tolerance * share)
+        vector, mass, share = self._resultant(sums, reference)
+        # … and a second for those that cancel: there the sums must be that much finer. Nowhere
+        # without mass is there a direction, or an error.
+        weak = (mass > 0) & (error > self.tolerance * share)
         if weak.any():
             narrower = float(self.tolerance * share[weak].min())
             heaviest = float(sums[0].max())
             again = self._sums.at(scaled, error=narrower, targets=weak, heaviest=heaviest)
-            vector = vector.astype(np.float64)
             along = None if reference is None else reference[:, weak]
-            v, mass[weak] = self._resultant(again[:, weak], along)
-            vector[:, weak] = v
-            length = np.linalg.norm(vector, axis=0)
-        firm = length > _NO_RESULTANT * mass
-        if reference is None:
-            if firm.all():
-                return vector / length
-            reference = finer()
-        return np.where(firm, vector / np.where(firm, length, 1.0), reference)
+            vector[:, weak], mass[weak], _ = self._resultant(again[:, weak], along)
+        firm = self._directions(vector, mass, reference)
+        if reference is not None or firm.all():
+            return vector
+        return np.where(firm, vector, finer())
+
+    def _directions(
+        self,
+        vector: NDArray[np.float64],
+        mass: NDArray[np.float64],
+        reference: NDArray[Any] | None,
+    ) -> NDArray[np.bool_]:
+        """Make unit vectors of resultants, in their place, and say where they are long enough."""
+        from meshdepict.scales.resultants import directions
+
+        firm = np.empty(len(mass), np.bool_)
+        instead = _NONE if reference is None else reference.T
+        each(
+            lambda a, b: directions(vector, mass, _NO_RESULTANT, instead, a, b, firm),
+            spans(len(mass), thread_count()),
+        )
+        return firm
 
     def _resultant(
         self, sums: NDArray[Any], reference: NDArray[Any] | None
-    ) -> tuple[NDArray[Any], NDArray[Any]]:
-        """Return m = Σ A F G n (3, n) and its mass Σ A F G (n,)."""
-        mass, m1 = sums[0], sums[1:4]
-        if reference is None:
-            return m1.copy(), mass.copy()
-        vector = m1.copy()
-        for row, (a, b) in zip((*sums[4:], mass - sums[4] - sums[5]), _SYMMETRIC, strict=True):
-            vector[a] += row * reference[b]
-            if a != b:
-                vector[b] += row * reference[a]
-        return vector / 2, (mass + np.einsum("ij,ij->j", m1, reference)) / 2
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+        """Return m = Σ A F G n (3, n), its mass Σ A F G (n,), and its share of that (n,)."""
+        from meshdepict.scales.resultants import resultants
+
+        count = sums.shape[1]
+        found, mass, share = np.empty((3, count)), np.empty(count), np.empty(count)
+        rows = np.ascontiguousarray(sums.T)  # as they mostly are
+        looking = _NONE if reference is None else reference.T
+        each(
+            lambda a, b: resultants(
+                rows, looking, reference is not None, _LEAST_RESULTANT, a, b, found, mass, share
+            ),
+            spans(count, thread_count()),
+        )
+        return found, mass, share

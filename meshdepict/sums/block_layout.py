@@ -10,29 +10,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Cells", "blurs", "cells", "morton_order"]
+__all__ = ["Cells", "Way", "blurs", "cells"]
 
-Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
-
-_BITS = 21  # of a place along an axis: three of them fill a key
-
-
-def morton_order(places: Floats) -> Ints:
-    """Return the order of points (3, n) in [0, 1) along Morton's curve.
-
-    In it neighbours are near each other, and so is what they read and write.
-    """
-    code = np.zeros(places.shape[1], np.int64)
-    for axis, along in enumerate(places):
-        bits = (along * (1 << _BITS)).astype(np.int64)
-        for shift, mask in (
-            (32, 0x1F00000000FFFF), (16, 0x1F0000FF0000FF), (8, 0x100F00F00F00F00F),
-            (4, 0x10C30C30C30C30C3), (2, 0x1249249249249249),
-        ):  # fmt: skip
-            bits = (bits | (bits << shift)) & mask
-        code |= bits << axis
-    return np.argsort(code, kind="stable")
 
 
 class Cells(NamedTuple):
@@ -48,39 +28,59 @@ class Cells(NamedTuple):
         Of their blocks, sorted.
     step : (3,) array
         From a block's key to that of the next one along each axis.
+    low : (3,) array
+        The place of the block with key 0.
     """
 
     order: Ints
     starts: Ints
     keys: Ints
     step: Ints
+    low: Ints
+
+    def places(self, first: int, last: int) -> Ints:
+        """Return the places (·, 3) of the blocks of cells [first, last)."""
+        z, rest = np.divmod(self.keys[first:last], self.step[2])
+        y, x = np.divmod(rest, self.step[1])
+        found: Ints = np.column_stack([x, y, z]) + self.low
+        return found
 
 
-def cells(block: NDArray[np.int32], room: int) -> Cells:
-    """Return the cells of points.
+def cells(key: Ints, step: Ints, low: Ints) -> Cells:
+    """Return the cells of points by the keys of the blocks with their first nodes.
 
-    Parameters
-    ----------
-    block : (n, 3) array
-        The place of the block with each point's first node.
-    room : int
-        Blocks round all of them that keys leave room for.
+    Quick where neighbours follow each other, most of them with the same key.
     """
-    low, high = block.min(axis=0) - room, block.max(axis=0) + room + 2
-    shape = (high - low).astype(np.int64)
-    step = np.array([1, shape[0], shape[0] * shape[1]])
-    key = (block[:, 2] - low[2]) * step[2] + (block[:, 1] - low[1]) * step[1] + block[:, 0] - low[0]
-    order = np.argsort(key, kind="stable")  # quick: they nearly are
-    key = key[order]
-    starts = np.flatnonzero(np.concatenate(([True], key[1:] != key[:-1], [True])))
-    return Cells(order, starts, key[starts[:-1]], step)
+    begins = np.flatnonzero(np.diff(key, prepend=-1))
+    lengths = np.diff(begins, append=len(key))
+    sort = np.argsort(key[begins], kind="stable")
+    begins, lengths = begins[sort], lengths[sort]
+    before = np.cumsum(lengths) - lengths
+    order = np.repeat(begins - before, lengths) + np.arange(len(key))
+    own = key[begins]
+    first = np.flatnonzero(np.diff(own, prepend=-1))
+    return Cells(order, np.append(before[first], len(key)), own[first], step, low)
 
 
-Near = tuple[NDArray[np.int32], NDArray[np.int32], NDArray[np.int32]]
+class Way(NamedTuple):
+    """How blocks are blurred along z, y and x.
+
+    Attributes
+    ----------
+    near : three (·, 2 far + 1) arrays of int32
+        For the blocks after each blur, where those that it needs are among the ones before; −1
+        where there are none. After the last, blocks are those that are wanted.
+    layers : (k + 1, 3) array
+        Where the blocks of each layer across z begin after each blur: what is blurred along y and x
+        stays in its layer.
+    """
+
+    near: tuple[NDArray[np.int32], NDArray[np.int32], NDArray[np.int32]]
+    layers: Ints
 
 
-def blurs(given: Ints, wanted: Ints, far: int, step: Ints) -> Near:
-    """Return the way of a blur along z, y and x, which reaches so many blocks far along each.
+def blurs(given: Ints, wanted: Ints, far: int, step: Ints) -> Way:
+    """Return the way of a blur which reaches so many blocks far along each axis.
 
     Parameters
     ----------
@@ -88,12 +88,6 @@ def blurs(given: Ints, wanted: Ints, far: int, step: Ints) -> Near:
         Keys of the blocks that are blurred, and of those that are to come out.
     far : int
     step : (3,) array
-
-    Returns
-    -------
-    three (·, 2 far + 1) arrays of int32
-        For the blocks after each blur, where those that it needs are among the ones before; −1
-        where there are none. After the last, blocks are those that are wanted.
     """
     around = np.arange(-far, far + 1)
 
@@ -109,4 +103,9 @@ def blurs(given: Ints, wanted: Ints, far: int, step: Ints) -> Near:
     for_y = dilated(for_x, 1)
     after_z = np.intersect1d(dilated(given, 2), for_y, assume_unique=True)
     after_y = np.intersect1d(dilated(after_z, 1), for_x, assume_unique=True)
-    return places(after_z, given, 2), places(after_y, after_z, 1), places(wanted, after_y, 0)
+    near = places(after_z, given, 2), places(after_y, after_z, 1), places(wanted, after_y, 0)
+    layer = np.unique(wanted // step[2]) * step[2]
+    begins = [
+        np.append(np.searchsorted(keys, layer), len(keys)) for keys in (after_z, after_y, wanted)
+    ]
+    return Way(near, np.column_stack(begins))

@@ -1,38 +1,59 @@
 """Gaussian sums over points by adding up neighbours: exact but for what lies beyond a radius.
 
-The points are sorted into cubic cells. For each cell the sources within reach are copied into
-contiguous batches that the cache holds, with coordinates relative to the cell (so that float32
-suffices), and every target of the cell runs over them. Both inner loops vectorise: the Gaussian
-by a polynomial for 2^t, the sums five channels at a time.
+The points are put into groups of sixteen that are near each other, with a box round each, a box
+round sixteen boxes, and so on. Sixteen targets walk down the boxes within reach together, and each
+source that is near enough to one of them is added to the sums of all: one vector has its sixteen
+weights, and another the sums of each channel. Coordinates are relative to the targets, so that
+single precision suffices.
 """
 
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from meshdepict.threads import each, kernel, spans, thread_count
+from meshdepict.sums.lanes import (
+    WIDE,
+    add_scaled,
+    fill,
+    larger,
+    load,
+    lowest,
+    many,
+    minus,
+    nothing,
+    plus,
+    power_of_two,
+    rounded,
+    store,
+    times,
+    within,
+)  # fmt: skip
+from meshdepict.sums.ordered_points import OrderedPoints
+from meshdepict.threads import each, kernel, spans
 
-__all__ = ["CHANNEL_BLOCK", "SINGLE_FLOOR", "direct_sums", "exact_sums"]
+__all__ = ["SINGLE_FLOOR", "PointGroups", "exact_sums"]
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
 
 SINGLE_FLOOR = 2e-6  # relative error that single precision reaches safely in these sums
-CHANNEL_BLOCK = 5  # channels added up together: as many as the registers hold
 
-_BATCH = 1024  # sources at a time: their coordinates, channels and weights stay in the cache
-_PER_CELL = 16  # targets that share one list of sources: what gathering the list is spread over
-_FEW = 100  # targets that are quicker compared with every source than sorted into cells
+_TOGETHER = 128  # sources, about, that are added up before their sum is: for the sake of rounding
+_ACROSS = 100  # widths of a box, in which numbers of single precision are off by 3e-6 widths
+_PIECE = 64  # groups of targets that a thread takes at a time
 
 # In these units of the width the Gaussian exp(−d²/2) is 2^(−d²).
 _UNIT = math.sqrt(2 * math.log(2.0))
-_TAYLOR = [math.log(2.0) ** k / math.factorial(k) for k in range(1, 7)]
+# By which boxes are wider than what is in them, of the extent of all: their numbers are rounded.
+_ROUNDED = 1e-6
+_ONE = many(WIDE)
 
 
-def exact_sums(
-    points: NDArray[np.float64], channels: NDArray[np.float64], width: float
-) -> NDArray[np.float64]:
+def exact_sums(points: Floats, channels: Floats, width: float) -> Floats:
     """Return Σ_j channels_j exp(−‖x_i − x_j‖² / 2 width²) by its definition, in O(n²).
 
     The slow readable twin: the oracle of every fast way in the tests.
@@ -54,238 +75,248 @@ def exact_sums(
     return sums
 
 
-def direct_sums(
-    xyz: NDArray[np.float64],
-    channels: NDArray[Any],
-    radius: float,
-    targets: NDArray[np.bool_] | None = None,
-) -> NDArray[Any]:
-    """Sum Gaussians of width one over all sources within ``radius`` (and some beyond).
+class _Sources(NamedTuple):
+    """Groups in one precision; points that fill up the last one have no channels."""
+
+    local: Floats  # (groups, 3, WIDE): from the middle of a group, all in one row
+    values: NDArray[Any]  # (groups, WIDE, c), all in one row
+
+
+class PointGroups:
+    """Points in groups, for sums over the same points and channels at several widths.
 
     Parameters
     ----------
-    xyz : (3, n) array
-        Coordinates in units of the width.
-    channels : (c, n) array, float32 or float64
-        Its type is the precision; c must be a multiple of `CHANNEL_BLOCK`.
-    radius : float
-        In units of the width.
-    targets : (n,) array of bool, optional
-        Where the sums are wanted; elsewhere they come out as zero.
+    points : OrderedPoints
+    """
+
+    def __init__(self, points: OrderedPoints) -> None:
+        self._own = points
+        last = np.repeat(points.points[-1:], -len(points.points) % WIDE, axis=0)
+        self._grouped = np.concatenate([points.points, last]).reshape(-1, WIDE, 3)
+        low, high = self._grouped.min(axis=1), self._grouped.max(axis=1)
+        self._middles = (low + high) / 2
+        extent = float((points.points.max(axis=0) - points.points.min(axis=0)).max())
+        self._boxes, self._begins = _levels(low, high, _ROUNDED * extent)
+        self._sources: dict[type[np.floating[Any]], _Sources] = {}
+
+    def _in_groups(self, precision: type[np.floating[Any]]) -> _Sources:
+        if precision not in self._sources:
+            own = self._own
+            local = (self._grouped - self._middles[:, None]).transpose(0, 2, 1)
+            values = np.zeros((self._grouped.size // 3, len(own.channels)), precision)
+            single = precision == np.float32
+            values[: len(own.order)] = own.rows if single else own.channels.T[own.order]
+            self._sources[precision] = _Sources(local.ravel(), values.ravel())
+        return self._sources[precision]
+
+    def sums(
+        self,
+        width: float,
+        radius: float,
+        precision: type[np.floating[Any]],
+        targets: NDArray[np.bool_] | None = None,
+    ) -> NDArray[Any]:
+        """Sum Gaussians over all sources within a radius (and some beyond).
+
+        Parameters
+        ----------
+        width : float
+        radius : float
+            In widths.
+        precision : float32 or float64
+        targets : (n,) array of bool, optional
+            Where the sums are wanted; elsewhere they come out as zero.
+
+        Returns
+        -------
+        (c, n) array
+        """
+        order = self._own.order
+        wanted = np.arange(len(order)) if targets is None else np.flatnonzero(targets[order])
+        make = np.empty if targets is None else np.zeros
+        sums = make((len(order), len(self._own.channels)), precision)
+        if precision == np.float32 and len(wanted):
+            # Where sixteen lie on two sides of a gap, single precision would not do.
+            far = np.repeat(self._across(wanted) > _ACROSS * width, WIDE)[: len(wanted)]
+            if far.any():
+                self._add(wanted[far], width, radius, np.float64, sums)
+                wanted = wanted[~far]
+        self._add(wanted, width, radius, precision, sums)
+        return sums.T
+
+    def _across(self, wanted: Ints) -> Floats:
+        """Return the longest side of the box round every sixteen of some points."""
+        begins = np.arange(0, len(wanted), WIDE)
+        points = self._own.points[wanted]
+        low, high = np.minimum.reduceat(points, begins), np.maximum.reduceat(points, begins)
+        found: Floats = (high - low).max(axis=1)
+        return found
+
+    def _add(
+        self,
+        wanted: Ints,
+        width: float,
+        radius: float,
+        precision: type[np.floating[Any]],
+        sums: NDArray[Any],
+    ) -> None:
+        """Fill the sums (n, c) at some points, sixteen after each other at a time."""
+        sources, like = self._in_groups(precision), many(WIDE * sums.shape[1])
+        scale = 1 / (width * _UNIT)
+        each(
+            lambda a, b: _sum_groups(
+                self._own.points, self._own.order, wanted, *sources, self._middles, self._boxes,
+                self._begins, scale, radius / _UNIT, like, a, b, sums,
+            ),
+            spans(-(-len(wanted) // WIDE), max(1, len(wanted) // (WIDE * _PIECE))),
+        )  # fmt: skip
+
+
+def _levels(low: Floats, high: Floats, wider: float) -> tuple[NDArray[np.float32], Ints]:
+    """Return boxes round boxes, sixteen at a time, until sixteen are left.
 
     Returns
     -------
-    (c, n) array
+    boxes : array
+        Of every sixteen their lowest x, y and z, and then their highest, (…, 6, WIDE), in one row.
+    begins : array
+        Where each level begins, counted in sixteens.
     """
-    count = xyz.shape[1]
-    double = channels.dtype == np.float64
-    constants = np.array([-1000.0 if double else -120.0, 0.5, 0.125, *_TAYLOR, 1.0], channels.dtype)
-    bits, shift = (np.int64, 52) if double else (np.int32, 23)
-    if targets is not None and (few := np.flatnonzero(targets)).size <= _FEW:
-        sums = np.zeros_like(channels)
-        scaled = xyz / _UNIT
-        each(
-            lambda a, b: _sum_few(scaled, channels, few[a:b], constants, bits, shift, sums),
-            spans(len(few), thread_count()),
-        )
-        return sums
-    low, high = xyz.min(axis=1), xyz.max(axis=1)
-    side = _cell_side(high - low, count, radius)
-    index = ((xyz - low[:, None]) / side).astype(np.int64)
-    shape = index.max(axis=1) + 1
-    keys = (index[2] * shape[1] + index[1]) * shape[0] + index[0]
-    order = np.argsort(keys, kind="stable")
-    keys = keys[order]
-    starts = np.flatnonzero(np.concatenate(([True], keys[1:] != keys[:-1], [True])))
-    cells = keys[starts[:-1]]
-    scaled = (np.take(xyz, order, axis=1) - low[:, None]) / _UNIT
-    values = np.take(channels, order, axis=1)
-    wanted = np.ones(count, np.bool_) if targets is None else targets[order]
-    sums = np.zeros_like(values)
-    grid = (cells, starts, shape, side / _UNIT, radius / _UNIT)
-
-    def some_cells(first: int, last: int) -> None:
-        _sum_cells(scaled, values, wanted, *grid, constants, bits, shift, first, last, sums)
-
-    each(some_cells, spans(len(cells), 16 * thread_count()))
-    result = np.empty_like(sums)
-    result[:, order] = sums
-    return result
+    parts, begins = [], [0]
+    while True:
+        count = -(-len(low) // WIDE)
+        fill = ((0, count * WIDE - len(low)), (0, 0))
+        low = np.pad(low, fill, constant_values=np.inf).reshape(count, WIDE, 3)
+        high = np.pad(high, fill, constant_values=-np.inf).reshape(count, WIDE, 3)
+        both = np.concatenate([low - wider, high + wider], axis=2)
+        parts.append(both.transpose(0, 2, 1).astype(np.float32).ravel())
+        if count == 1:
+            return np.concatenate(parts), np.array(begins)
+        begins.append(begins[-1] + count)
+        low, high = low.min(axis=1), high.max(axis=1)
 
 
-def _cell_side(extent: NDArray[np.float64], count: int, radius: float) -> float:
-    """Return a cell size small against the radius, yet with a handful of points in a cell."""
-    # Taking the points to lie on a surface about as large as the bounding box's.
-    x, y, z = extent
-    side = math.sqrt(2 * (x * y + y * z + z * x) / count * _PER_CELL)
-    # Keys stay within 63 bits whatever the extent.
-    return max(min(max(side, radius / 6), radius), float(extent.max()) / 2e6)
+@kernel("free", inline=True)
+def _beyond(low, high, boxes, row, zero):  # type: ignore[no-untyped-def]
+    """Return how far sixteen boxes are from one along an axis."""
+    before = minus(load(boxes, row, _ONE), fill(high))
+    after = minus(fill(low), load(boxes, row + 3 * WIDE, _ONE))
+    return larger(larger(before, after), zero)
 
 
 @kernel("free")
-def _gaussians(x, y, z, sources, count, constants, bits, shift, weights):  # type: ignore[no-untyped-def]
-    """Fill weights[j] with 2^(−‖source_j − (x, y, z)‖²).
+def _near(box, boxes, row, limit):  # type: ignore[no-untyped-def]
+    """Say by bits which of sixteen boxes are within reach of one."""
+    zero = nothing(boxes, _ONE)
+    x = _beyond(box[0], box[3], boxes, row, zero)
+    y = _beyond(box[1], box[4], boxes, row + WIDE, zero)
+    z = _beyond(box[2], box[5], boxes, row + 2 * WIDE, zero)
+    return within(plus(times(x, x), plus(times(y, y), times(z, z))), fill(limit))
 
-    2^t = 2^k 2^f with k = round(t): k goes straight into the exponent's bits, and 2^f is
-    (2^(f/8))^8 by a Taylor polynomial, whose error is below 1e-12.
-    """
-    lowest, half, eighth, one = constants[0], constants[1], constants[2], constants[9]
-    c1, c2, c3, c4, c5, c6 = (
-        constants[3], constants[4], constants[5], constants[6], constants[7], constants[8],
-    )  # fmt: skip
-    xs, ys, zs = sources[0], sources[1], sources[2]
-    exponent = weights.view(bits)
-    for j in range(count):
-        dx, dy, dz = xs[j] - x, ys[j] - y, zs[j] - z
-        t = max(-(dx * dx + dy * dy + dz * dz), lowest)
-        k = np.int32(t - half)
-        f = (t - weights.dtype.type(k)) * eighth
-        p = (((((c6 * f + c5) * f + c4) * f + c3) * f + c2) * f + c1) * f + one
-        p = p * p
-        p = p * p
-        weights[j] = p * p
-        exponent[j] = exponent[j] + (bits(k) << bits(shift))
+
+@kernel("free", inline=True)
+def _moved(local, row, by, factor, values):  # type: ignore[no-untyped-def]
+    """Return where sources are along an axis, from the middle of the targets, in their units."""
+    return rounded(times(plus(load(local, row, _ONE), fill(by)), factor), values)
+
+
+@kernel("free", inline=True)
+def _outside(place, half, zero):  # type: ignore[no-untyped-def]
+    """Return how far places are from an interval about zero."""
+    return larger(larger(minus(place, half), minus(zero, plus(place, half))), zero)
 
 
 @kernel("free")
-def _add_five(weights, values, first, count, sums, i):  # type: ignore[no-untyped-def]
-    """Add Σ_j weights_j values_j to five channels of target i."""
-    s0 = s1 = s2 = s3 = s4 = weights.dtype.type(0)
-    v0, v1, v2, v3, v4 = (
-        values[first],
-        values[first + 1],
-        values[first + 2],
-        values[first + 3],
-        values[first + 4],
-    )
-    for j in range(count):
-        w = weights[j]
-        s0 += w * v0[j]
-        s1 += w * v1[j]
-        s2 += w * v2[j]
-        s3 += w * v3[j]
-        s4 += w * v4[j]
-    sums[first, i] += s0
-    sums[first + 1, i] += s1
-    sums[first + 2, i] += s2
-    sums[first + 3, i] += s3
-    sums[first + 4, i] += s4
-
-
-@kernel("free")
-def _sum_few(xyz, values, few, constants, bits, shift, sums):  # type: ignore[no-untyped-def]
-    """Compute the sums of a few points over all sources."""
-    channels, count = values.shape
-    sources = np.empty((3, _BATCH), values.dtype)
-    weights = np.empty(_BATCH, values.dtype)
-    zero = values.dtype.type(0)
-    for first in range(0, count, _BATCH):
-        size = min(_BATCH, count - first)
-        batch = values[:, first : first + size]
-        for i in few:
-            for axis in range(3):
-                for j in range(size):
-                    sources[axis, j] = xyz[axis, first + j] - xyz[axis, i]
-            _gaussians(zero, zero, zero, sources, size, constants, bits, shift, weights)
-            for k in range(0, channels, 5):
-                _add_five(weights, batch, k, size, sums, i)
-
-
-@kernel("free")
-def _reach(cells, shape, side, radius, cell, rows):  # type: ignore[no-untyped-def]
-    """List the runs of cells [first, last) within ``radius`` of a cell, one run per (y, z) row."""
-    ix, iy, iz = cell % shape[0], (cell // shape[0]) % shape[1], cell // (shape[0] * shape[1])
-    far = math.ceil(radius / side)
-    found = 0
-    for jz in range(max(iz - far, 0), min(iz + far + 1, shape[2])):
-        dz = max(abs(jz - iz) - 1, 0) * side
-        for jy in range(max(iy - far, 0), min(iy + far + 1, shape[1])):
-            dy = max(abs(jy - iy) - 1, 0) * side
-            rest = radius * radius - dy * dy - dz * dz
-            if rest >= 0:
-                wide = int(math.sqrt(rest) / side) + 1
-                row = (jz * shape[1] + jy) * shape[0]
-                first = np.searchsorted(cells, row + max(ix - wide, 0))
-                last = np.searchsorted(cells, row + min(ix + wide + 1, shape[0]))
-                if last > first:
-                    rows[found, 0], rows[found, 1] = first, last
-                    found += 1
-    return found
-
-
-@kernel("free")
-def _ball(xyz, wanted, begin, end, ball):  # type: ignore[no-untyped-def]
-    """Put centre and radius of a ball round the wanted points [begin, end) into ``ball``."""
-    low, high = np.full(3, np.inf), np.full(3, -np.inf)
-    for axis in range(3):
-        for i in range(begin, end):
-            if wanted[i]:
-                low[axis] = min(low[axis], xyz[axis, i])
-                high[axis] = max(high[axis], xyz[axis, i])
-        ball[axis] = (low[axis] + high[axis]) / 2
-    ball[3] = 0.0
-    for i in range(begin, end):
-        if wanted[i]:
-            x, y, z = xyz[0, i] - ball[0], xyz[1, i] - ball[1], xyz[2, i] - ball[2]
-            ball[3] = max(ball[3], math.sqrt(x * x + y * y + z * z))
-
-
-@kernel("free")
-def _sum_cells(  # type: ignore[no-untyped-def]
-    xyz,
-    values,
-    wanted,
-    cells,
-    starts,
-    shape,
-    side,
-    radius,
-    constants,
-    bits,
-    shift,
-    begin,
-    end,
+def _sum_groups(  # type: ignore[no-untyped-def]
+    points, order, wanted, local, values, middles, boxes, begins, scale, radius, like, first, last,
     sums,
-):
-    """Compute the sums of all wanted points of the cells [begin, end)."""
+):  # fmt: skip
+    """Compute the sums of groups [first, last) of the wanted points.
+
+    Parameters
+    ----------
+    points : (n, 3) array
+    order : (n,) array
+        Where each point belongs among the sums.
+    wanted : (m,) array
+        Which of the points are targets.
+    local, values
+        Of sources: see `_Sources`.
+    middles : (groups, 3) array
+    boxes, begins
+        See `_levels`.
+    scale, radius : float
+        From the units of points to those in which the Gaussian is 2^(−d²); in these.
+    like : tuple
+        As many vectors as channels.
+    sums : (n, c) array
+    """
     of = values.dtype.type
-    channels = len(values)
-    far = math.ceil(radius / side)
-    rows = np.empty(((2 * far + 1) ** 2, 2), np.int64)
-    ball = np.empty(4)
-    near = np.empty(_BATCH, np.int64)
-    batch = np.empty((channels, _BATCH), values.dtype)
-    sources = np.empty((3, _BATCH), values.dtype)
-    weights = np.empty(_BATCH, values.dtype)
-    for c in range(begin, end):
-        any_wanted = False
-        for i in range(starts[c], starts[c + 1]):
-            any_wanted |= wanted[i]
-        if not any_wanted:
-            continue
-        _ball(xyz, wanted, starts[c], starts[c + 1], ball)
-        x, y, z = ball[0], ball[1], ball[2]
-        limit = (radius + ball[3]) ** 2
-        found = _reach(cells, shape, side, radius, cells[c], rows)
-        count = 0
-        for r in range(found):
-            first, last = starts[rows[r, 0]], starts[rows[r, 1]]
-            for j in range(first, last):
-                dx, dy, dz = xyz[0, j] - x, xyz[1, j] - y, xyz[2, j] - z
-                if dx * dx + dy * dy + dz * dz <= limit:
-                    sources[0, count], sources[1, count], sources[2, count] = of(dx), of(dy), of(dz)
-                    near[count] = j
-                    count += 1
-                if count == _BATCH or (count > 0 and r == found - 1 and j == last - 1):
-                    for k in range(channels):
-                        for b in range(count):
-                            batch[k, b] = values[k, near[b]]
-                    for i in range(starts[c], starts[c + 1]):
-                        if wanted[i]:
-                            _gaussians(
-                                of(xyz[0, i] - x), of(xyz[1, i] - y), of(xyz[2, i] - z),
-                                sources, count, constants, bits, shift, weights,
-                            )  # fmt: skip
-                            for k in range(0, channels, 5):
-                                _add_five(weights, batch, k, count, sums, i)
-                    count = 0
+    c = sums.shape[1]
+    middle, half = np.empty(3), np.empty(3)
+    box = np.empty(6, np.float32)
+    single = np.float32(radius / scale) ** 2
+    targets, places = np.empty(3 * WIDE, values.dtype), np.empty(3 * WIDE, values.dtype)
+    found = np.empty(len(like) * WIDE, values.dtype)
+    masks, blocks = np.empty(len(begins), np.int64), np.empty(len(begins), np.int64)
+    factor, limit = fill(scale), fill(of(radius) * of(radius))
+    zero, zeros = nothing(values, _ONE), nothing(values, like)
+    for group in range(first, last):
+        begin, end = group * WIDE, min(group * WIDE + WIDE, len(wanted))
+        for axis in range(3):
+            low = high = points[wanted[begin], axis]
+            for i in range(begin + 1, end):
+                low = min(low, points[wanted[i], axis])
+                high = max(high, points[wanted[i], axis])
+            middle[axis], half[axis] = (low + high) / 2, (high - low) / 2 * scale
+            box[axis], box[3 + axis] = np.float32(low), np.float32(high)
+            for i in range(WIDE):
+                j = wanted[min(begin + i, end - 1)]
+                targets[axis * WIDE + i] = of((points[j, axis] - middle[axis]) * scale)
+        tx, ty, tz = (
+            load(targets, 0, _ONE), load(targets, WIDE, _ONE), load(targets, 2 * WIDE, _ONE),
+        )  # fmt: skip
+        hx, hy, hz = fill(of(half[0])), fill(of(half[1])), fill(of(half[2]))
+        total, some, added = zeros, zeros, 0
+        top = len(begins) - 1
+        level = top
+        blocks[top] = 0
+        masks[top] = _near(box, boxes, begins[top] * 6 * WIDE, single)
+        while level <= top:
+            if masks[level] == 0:
+                level += 1
+                continue
+            child = blocks[level] * WIDE + lowest(masks[level])
+            masks[level] &= masks[level] - 1
+            if level > 0:
+                level -= 1
+                blocks[level] = child
+                masks[level] = _near(box, boxes, (begins[level] + child) * 6 * WIDE, single)
+                continue
+            row = child * 3 * WIDE
+            sx = _moved(local, row, middles[child, 0] - middle[0], factor, values)
+            sy = _moved(local, row + WIDE, middles[child, 1] - middle[1], factor, values)
+            sz = _moved(local, row + 2 * WIDE, middles[child, 2] - middle[2], factor, values)
+            x, y, z = _outside(sx, hx, zero), _outside(sy, hy, zero), _outside(sz, hz, zero)
+            bits = within(plus(times(x, x), plus(times(y, y), times(z, z))), limit)
+            store(sx, places, 0)
+            store(sy, places, WIDE)
+            store(sz, places, 2 * WIDE)
+            while bits != 0:
+                j = lowest(bits)
+                bits &= bits - 1
+                dx = minus(fill(places[j]), tx)
+                dy = minus(fill(places[WIDE + j]), ty)
+                dz = minus(fill(places[2 * WIDE + j]), tz)
+                squared = plus(times(dx, dx), plus(times(dy, dy), times(dz, dz)))
+                weight = power_of_two(minus(zero, squared))
+                some = add_scaled(some, weight, values, (child * WIDE + j) * c)
+                added += 1
+            if added >= _TOGETHER:
+                total, some, added = plus(total, some), zeros, 0
+        store(plus(total, some), found, 0)
+        for i in range(begin, end):
+            to = sums[order[wanted[i]]]
+            for m in range(c):
+                to[m] = found[m * WIDE + i - begin]

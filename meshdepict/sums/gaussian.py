@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from meshdepict.sums import direct_sums as direct
 from meshdepict.sums import grid_sums as grid
 from meshdepict.sums import spectral_sums as spectral
+from meshdepict.sums.ordered_points import OrderedPoints
 
 __all__ = ["GaussianSums", "gaussian_sums", "predicted_seconds"]
 
@@ -31,9 +32,9 @@ _TINY = 1e-290  # a Gaussian below this is zero in double precision
 
 # A pair of points and ten channels on one core, in single precision; and its shares: what a pair
 # costs without any channel, and each of them (scripts/cost_constants.py measures the three).
-_PAIR_SECONDS = 1.4e-9
-_PAIR_BASE = 0.4
-_PAIR_CHANNEL = 0.06
+_PAIR_SECONDS = 4.5e-10
+_PAIR_BASE = 0.6
+_PAIR_CHANNEL = 0.04
 # What a point takes besides, in predictions: it is sorted, gathered and checked either way.
 _POINT_SECONDS = 0.8e-6
 
@@ -64,6 +65,8 @@ class GaussianSums:
         self._widths = tuple(widths)
         self._apart = np.sqrt(_squared_distances(np.ascontiguousarray(points.T), None))
         self._grid: grid.PointGrid | None = None
+        self._groups: direct.PointGroups | None = None
+        self._ordered: OrderedPoints | None = None
 
     def at(
         self,
@@ -119,6 +122,11 @@ class GaussianSums:
             sums[:, targets & (sums[0] <= 100 * _TINY * heaviest)] = 0
         return sums
 
+    def _in_order(self) -> OrderedPoints:
+        if self._ordered is None:
+            self._ordered = OrderedPoints(self._points, self._channels)
+        return self._ordered
+
     def _one_pass(
         self,
         xyz: NDArray[np.float64],
@@ -138,10 +146,10 @@ class GaussianSums:
             direct_cost = _pair_cost(near, points, points, count)
         else:
             direct_cost = _direct_cost(xyz, radius, count, targets)
-        rule = grid.rule_for(share)
+        rule = grid.rule_for(share) if count <= grid.MOST_CHANNELS else None
         if rule is not None and grid.least_cost(wanted, count, rule) < direct_cost:
             if self._grid is None:
-                self._grid = grid.PointGrid(self._points, channels, self._widths)
+                self._grid = grid.PointGrid(self._in_order(), self._widths)
             if self._grid.cost(width, rule, wanted) < direct_cost:
                 return self._grid.sums(width, rule, targets=targets, done=done)
         if share > _SPECTRAL_FLOOR and spectral.least_cost(wanted, share, pairs) < direct_cost:
@@ -149,11 +157,10 @@ class GaussianSums:
             if cost < direct_cost:
                 rows = _with_rows(channels, 2 * pairs, _precision(share, spectral.SINGLE_FLOOR))
                 return spectral.spectral_sums(xyz, rows, share, tiles, done)[:count]
-        blocks = -(-count // direct.CHANNEL_BLOCK)
-        rows = _with_rows(
-            channels, blocks * direct.CHANNEL_BLOCK, _precision(share, direct.SINGLE_FLOOR)
-        )
-        sums = direct.direct_sums(xyz, rows, radius, targets)[:count]
+        if self._groups is None:
+            self._groups = direct.PointGroups(self._in_order())
+        precision = _precision(share, direct.SINGLE_FLOOR)
+        sums = self._groups.sums(width, radius, precision, targets)
         if done:
             done(1.0)
         return sums

@@ -10,17 +10,28 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable
 from itertools import pairwise
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from meshdepict.sums.bells import RULES, Rule, blur_taps, weight_table
-from meshdepict.sums.block_kernels import BLOCK, LINES, blur, gather, merge, spread
-from meshdepict.sums.block_layout import Cells, blurs, cells, morton_order
+from meshdepict.sums.block_kernels import (
+    BLOCK,
+    MOST_CHANNELS,
+    MOST_NODES,
+    block_keys,
+    blur,
+    gather,
+    merge,
+    spread,
+)  # fmt: skip
+from meshdepict.sums.block_layout import Cells, Way, blurs, cells
+from meshdepict.sums.lanes import WIDE, many
+from meshdepict.sums.ordered_points import OrderedPoints
 from meshdepict.threads import each, spans, thread_count
 
-__all__ = ["PointGrid", "least_cost", "predicted_cost", "rule_for"]
+__all__ = ["MOST_CHANNELS", "PointGrid", "least_cost", "predicted_cost", "rule_for"]
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -36,10 +47,10 @@ _COARSE = 16  # cells along the longest side, by which a surface's extent is est
 # Seconds of one core: of a point, sorted and gathered; of a channel of a node that it is spread on,
 # and that it is gathered from; of a tap and channel of the blur. Near what the fit in
 # scripts/cost_constants.py gives, which parts the first two poorly.
-_POINT_SECONDS = 1.5e-7
-_SPREAD_SECONDS = 1.2e-10
-_GATHER_SECONDS = 1e-10
-_TAP_SECONDS = 1e-10
+_POINT_SECONDS = 1e-7
+_SPREAD_SECONDS = 5e-11
+_GATHER_SECONDS = 6e-11
+_TAP_SECONDS = 1.3e-10
 
 
 def rule_for(error: float) -> Rule | None:
@@ -91,15 +102,11 @@ def _parts(
     return points, nodes, 3 * blocks * BLOCK**3 * taps * channels
 
 
-class _Points(NamedTuple):
+class _Sorted(NamedTuple):
     """Points in the order of the blocks of a grid of one spacing."""
 
     spacing: float
     rule: Rule
-    order: Ints  # as they were given
-    shares: Single
-    local: NDArray[np.int32]
-    values: Single
     cells: Cells
 
     def touched(self, first: int, last: int) -> tuple[Ints, NDArray[np.int32]]:
@@ -107,6 +114,11 @@ class _Points(NamedTuple):
         corners = self.cells.keys[first:last, None] + _CORNERS @ self.cells.step
         keys: Ints = np.unique(corners)
         return keys, np.searchsorted(keys, corners).astype(np.int32)
+
+    def corners(self, first: int, last: int) -> tuple[Ints, Floats]:
+        """Return where the points of cells [first, last) begin and end, and their first nodes."""
+        corners = (BLOCK * self.cells.places(first, last)).astype(np.float64)
+        return self.cells.starts[first : last + 1], corners
 
 
 class _Spread(NamedTuple):
@@ -125,31 +137,34 @@ class PointGrid:
 
     Parameters
     ----------
-    points : (n, 3) array
-        Near the origin.
-    channels : (c, n) array
+    points : OrderedPoints
     widths : sequence of float
         At which sums will be asked for; others share nothing.
+    origin : (3,) array, optional
+        Where nodes are counted from, below all points; where that suits best unless given.
     """
 
     def __init__(
-        self, points: Floats, channels: NDArray[Any], widths: Iterable[float] = ()
+        self, points: OrderedPoints, widths: Iterable[float] = (), *, origin: Floats | None = None
     ) -> None:
-        low = points.min(axis=0)
-        extent = points.max(axis=0) - low
-        self._longest = float(extent.max()) or 1.0
-        places = np.minimum((points - low).T / self._longest, 1 - 2.0**-22)
-        axes = np.argsort(extent, kind="stable")  # layers are cut across the longest
-        self._order = morton_order(places)
-        self._points = (points - low)[self._order][:, axes]
-        self._values = np.ascontiguousarray(channels.T[self._order], np.float32)
-        cell = (_COARSE * places).astype(np.int64)
-        occupied = len(np.unique(cell[0] + 32 * (cell[1] + 32 * cell[2])))
+        places = points.points
+        low, high = places.min(axis=0), places.max(axis=0)
+        self._longest = float((high - low).max()) or 1.0
+        if origin is None:  # layers are cut across the longest axis
+            self._points = (places - low)[:, np.argsort(high - low, kind="stable")]
+        else:
+            self._points = places - origin
+        self._order = points.order
+        self._shape = points.rows.shape
+        self._values = np.append(points.rows.ravel(), np.zeros(WIDE, np.float32))
+        cell = ((places - low) * (_COARSE / self._longest)).astype(np.int64) @ (1, 32, 1024)
+        occupied = int(np.count_nonzero(np.bincount(cell)))
         self._area = _area(occupied, self._longest)
         self._widths = sorted(widths)
-        self._kept: tuple[_Points, _Spread] | None = None
-        # Blocks on their way, in memory that has been touched: fresh pages take as long as a blur.
-        self._scratch = [np.empty((0, 0), np.float32)] * 2
+        self._kept: tuple[_Sorted, _Spread] | None = None
+        # Of what is spread, and what is blurred: memory that has been touched. Fresh pages take as
+        # long as a blur.
+        self._scratch = [np.empty(0, np.float32)] * 2
 
     def cost(self, width: float, rule: Rule, wanted: int) -> float:
         """Return the core-seconds that a sum at so many points is expected to take.
@@ -160,17 +175,17 @@ class PointGrid:
         leader = self._leader(width, rule)
         if not leader <= self._longest <= _FINEST * leader:
             return math.inf
-        count, channels = self._values.shape
+        count, channels = self._shape
         unwanted = (count - wanted) * channels * rule.nodes**3 * _GATHER_SECONDS
         return self._seconds(width, leader, rule) - unwanted
 
     def _seconds(self, width: float, leader: float, rule: Rule) -> float:
-        count, channels = self._values.shape
+        count, channels = self._shape
         return _cost(count, self._area, width, leader, rule, channels)
 
     def parts(self, width: float, rule: Rule) -> tuple[float, float, float]:
         """Return how much of what the cost model counts a sum with a grid of its own has."""
-        count, channels = self._values.shape
+        count, channels = self._shape
         return _parts(count, self._area, width, width, rule, channels)
 
     def forget(self) -> None:
@@ -212,47 +227,75 @@ class PointGrid:
         done : callable, optional
             Called with shares of the work that are finished.
         """
-        count, c = self._values.shape
-        sums = np.zeros((c, count), np.float32)
+        count, c = self._shape
+        sums = np.zeros((count, c), np.float32)
         kept, spacing = self._kept, self._leader(width, rule) / rule.density
         if kept is None or kept[0].spacing != spacing or kept[0].rule != rule:
             self._kept = kept = None  # its memory is free for the next one
             points = self._sorted(spacing, rule)
             layers = _layers(points)
             if len(layers) == 1:
-                self._kept = kept = points, _spread(points, 0, len(points.cells.keys))
+                self._kept = kept = points, self._spread(points, 0, len(points.cells.keys))
         if kept is not None:
             points, whole = kept
             self._gather(points, whole, (0, len(points.cells.keys)), width, targets, sums)
             if done:
                 done(1.0)
-            return sums
+            return sums.T
         reach = _far(rule, width / spacing) + 1
         key = points.cells.keys // points.cells.step[2]
         for first, last in layers:
             around = np.searchsorted(key, (key[first] - reach, key[last - 1] + reach + 1))
-            some = _spread(points, *(int(end) for end in around))
+            some = self._spread(points, *(int(end) for end in around))
             self._gather(points, some, (first, last), width, targets, sums)
             if done:
                 done(float((points.cells.starts[last] - points.cells.starts[first]) / count))
-        return sums
+        return sums.T
 
-    def _sorted(self, spacing: float, rule: Rule) -> _Points:
-        along = self._points / spacing - (rule.nodes / 2 - 1)
-        first = np.floor(along)
-        shares = (along - first).astype(np.float32)
-        nodes = first.astype(np.int32)
-        block = nodes // BLOCK
-        found = cells(block, _ROOM)
-        order = found.order
-        return _Points(
-            spacing, rule, self._order[order], shares[order], (nodes - BLOCK * block)[order],
-            self._values[order], found,
+    def _sorted(self, spacing: float, rule: Rule) -> _Sorted:
+        ends = np.array([np.zeros(3), self._points.max(axis=0)]) / spacing - (rule.nodes / 2 - 1)
+        low, high = np.floor(ends).astype(np.int64) // BLOCK
+        low, high = low - _ROOM, high + _ROOM + 2
+        step = np.cumprod([1, *(high - low)[:2]])
+        keys = np.empty(len(self._points), np.int64)
+        each(
+            lambda a, b: block_keys(
+                self._points, rule.nodes, 1 / spacing, low, step, a, b, keys
+            ),
+            spans(len(keys), thread_count()),
         )  # fmt: skip
+        return _Sorted(spacing, rule, cells(keys, step, low))
+
+    def _spread(self, sort: _Sorted, first: int, last: int) -> _Spread:
+        """Spread the points of cells [first, last)."""
+        keys, own = sort.touched(first, last)
+        starts, corners = sort.corners(first, last)
+        pieces = _pieces(starts)
+        slots, extra, owner = _slots(own, pieces, len(keys))
+        c = self._shape[1]
+        shape = len(keys) + len(extra), BLOCK, BLOCK, BLOCK * c
+        flat = self._memory(0, math.prod(shape))
+        flat[:] = 0
+        grid = flat.reshape(shape)
+        each(
+            lambda a, b: spread(
+                starts, slots, corners, sort.cells.order, self._points, self._values,
+                *_bells(sort, c), a, b, grid,
+            ),
+            pieces,
+        )  # fmt: skip
+        merge(extra, owner, grid.reshape(len(grid), -1))
+        return _Spread(keys, own, flat)
+
+    def _memory(self, number: int, count: int) -> Single:
+        """Return so many numbers of one of the scratches, which have some more."""
+        if len(self._scratch[number]) < count + WIDE:
+            self._scratch[number] = np.empty(count + WIDE, np.float32)
+        return self._scratch[number][:count]
 
     def _gather(
         self,
-        points: _Points,
+        points: _Sorted,
         spread: _Spread,
         span: tuple[int, int],
         width: float,
@@ -260,37 +303,48 @@ class PointGrid:
         sums: Single,
     ) -> None:
         """Blur a grid and fill the sums at the points of some cells."""
-        rule, c, (first, last) = points.rule, len(sums), span
+        rule, c, (first, last) = points.rule, sums.shape[1], span
         density = width / points.spacing
         taps = blur_taps(rule, density)
         wanted, slots = points.touched(first, last)
         way = blurs(spread.keys, wanted, _far(rule, density), points.cells.step)
-        grid = spread.grid
-        for number, (near, axis) in enumerate(zip(way, (2, 1, 0), strict=True)):
-            grid = self._blurred(near, grid, taps, c * BLOCK**axis, number % 2)
-        blocks = grid.reshape(len(grid), BLOCK, BLOCK, BLOCK * c)
-        asked = np.ones(len(points.order), np.bool_) if targets is None else targets[points.order]
-        starts, table = points.cells.starts[first : last + 1], weight_table(rule)
+        grid = self._blurred(way, spread.grid, np.pad(taps, BLOCK))
+        blocks = grid.reshape(-1, BLOCK, BLOCK, BLOCK * c)
+        asked = np.ones(len(sums), np.bool_) if targets is None else targets
+        starts, corners = points.corners(first, last)
         each(
             lambda a, b: gather(
-                starts, slots, points.shares, points.local, table, blocks, points.order, asked,
-                a, b, sums,
+                starts, slots, corners, points.cells.order, self._points, *_bells(points, c),
+                blocks, self._order, asked, a, b, sums,
             ),
             spans(last - first, 8 * thread_count()),
         )  # fmt: skip
 
-    def _blurred(
-        self, near: NDArray[np.int32], grid: Single, taps: Single, stride: int, to: int
-    ) -> Single:
-        if len(self._scratch[to]) < len(near):
-            self._scratch[to] = np.empty((len(near), grid.shape[1]), np.float32)
-        out, before = self._scratch[to][: len(near)], len(taps) // 2
-        taps = np.pad(taps, (0, -len(taps) % LINES))
-        each(
-            lambda a, b: blur(near, grid, taps, before, stride, a, b, out),
-            spans(len(near), 4 * thread_count()),
-        )
+    def _blurred(self, way: Way, grid: Single, taps: Single) -> Single:
+        c = self._shape[1]
+        size = BLOCK**3 * c
+        out = self._memory(1, len(way.near[2]) * size)
+
+        def layers(first: int, last: int) -> None:
+            # One layer after the other: between two blurs it stays in the cache.
+            most = np.diff(way.layers[first : last + 1], axis=0).max(axis=0)
+            after_z, after_y = (np.empty(n * size + WIDE, np.float32) for n in most[:2])
+            for begins, ends in pairwise(way.layers[first : last + 1]):
+                z, y, x = (near[a:b] for near, a, b in zip(way.near, begins, ends, strict=True))
+                to = out[begins[2] * size : ends[2] * size]
+                blur(z, grid, 0, taps, BLOCK**2 * c, size, after_z)
+                blur(y, after_z, begins[0], taps, BLOCK * c, size, after_y)
+                blur(x, after_y, begins[1], taps, c, size, to)
+
+        each(layers, spans(len(way.layers) - 1, 4 * thread_count()))
         return out
+
+
+def _bells(sort: _Sorted, channels: int) -> tuple[int, float, Single, tuple[int, ...]]:
+    """Return what kernels know of bells: nodes, density, table, vectors of a row of nodes."""
+    rule = sort.rule
+    table = weight_table(rule, MOST_NODES).ravel()
+    return rule.nodes, 1 / sort.spacing, table, many(rule.nodes * channels)
 
 
 def _far(rule: Rule, density: float) -> int:
@@ -298,7 +352,7 @@ def _far(rule: Rule, density: float) -> int:
     return -(-(len(blur_taps(rule, density)) // 2) // BLOCK)
 
 
-def _layers(points: _Points) -> list[tuple[int, int]]:
+def _layers(points: _Sorted) -> list[tuple[int, int]]:
     """Cut cells across the last axis, so that not too many blocks are there at once."""
     keys, _ = points.touched(0, len(points.cells.keys))
     if len(keys) <= _MOST_BLOCKS:
@@ -310,25 +364,6 @@ def _layers(points: _Points) -> list[tuple[int, int]]:
     cuts = np.unique(np.searchsorted(points.cells.keys // step, begins))
     ends = np.append(cuts[1:], len(points.cells.keys))
     return [(int(a), int(b)) for a, b in zip(cuts, ends, strict=True) if a < b]
-
-
-def _spread(points: _Points, first: int, last: int) -> _Spread:
-    """Spread the points of cells [first, last)."""
-    keys, own = points.touched(first, last)
-    pieces = _pieces(points.cells.starts[first : last + 1])
-    slots, extra, owner = _slots(own, pieces, len(keys))
-    c = points.values.shape[1]
-    grid = np.zeros((len(keys) + len(extra), BLOCK, BLOCK, BLOCK * c), np.float32)
-    table, starts = weight_table(points.rule), points.cells.starts[first : last + 1]
-    each(
-        lambda a, b: spread(
-            starts, slots, points.shares, points.local, points.values, table, a, b, grid
-        ),
-        pieces,
-    )
-    flat = grid.reshape(len(grid), -1)
-    merge(extra, owner, flat)
-    return _Spread(keys, own, flat[: len(keys)])
 
 
 def _pieces(starts: Ints) -> list[tuple[int, int]]:

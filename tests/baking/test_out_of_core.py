@@ -15,7 +15,7 @@ from meshdepict.baking.out_of_core import bake_out_of_core, lazy_rgba
 from meshdepict.baking.voxel_shading import voxel_shading
 from meshdepict.color.transfer import TransferFunction
 from meshdepict.errors import MeshdepictError
-from meshdepict.shapes.phantom import ct_phantom
+from meshdepict.samples.phantom import ct_phantom
 from meshdepict.shapes.place import Place
 from meshdepict.shapes.volume import Volume
 
@@ -159,7 +159,9 @@ def test_wrong_input_says_so(head: Volume, tmp_path: Path) -> None:
     ):
         with pytest.raises(MeshdepictError, match=sentence):
             bake(source)
-    with pytest.raises(MeshdepictError, match=r"goes to a \.zarr or \.npy, not to '\.png'"):
+    with pytest.raises(
+        MeshdepictError, match=r"goes to an \.ome\.zarr, \.zarr or \.npy, not to '\.png'"
+    ):
         bake(head.values, "out.png")
     with pytest.raises(MeshdepictError, match="exists already"):
         bake(head.values, "there.zarr")

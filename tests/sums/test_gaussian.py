@@ -1,12 +1,13 @@
 import numpy as np
 import pytest
 
-from meshdepict.shapes import samples
+from meshdepict import samples, threads
 from meshdepict.sums import direct_sums as direct
 from meshdepict.sums import gaussian
 from meshdepict.sums import spectral_sums as spectral
 from meshdepict.sums.gaussian import gaussian_sums
 from meshdepict.sums.grid_sums import PointGrid
+from meshdepict.sums.ordered_points import OrderedPoints
 
 WIDTHS = [0.01, 0.05, 0.2, 1.0, 10.0]
 
@@ -102,8 +103,7 @@ def test_tiles_agree_with_neighbours(monkeypatch, rng):
     assert len(tiles) > 4
     assert sorted(np.concatenate([t.targets for t in tiles])) == list(range(points.shape[1]))
     tiled = spectral.spectral_sums(points, c, 1e-5, tiles)
-    padded = np.vstack([c, np.zeros((1, points.shape[1]))])
-    summed = direct.direct_sums(points, padded, 8.0)[:4]
+    summed = direct.PointGroups(OrderedPoints(points.T, c)).sums(1.0, 8.0, np.float64)
     assert np.max(np.abs(tiled - summed)) <= 1e-5 * summed[0].max()
 
 
@@ -115,13 +115,35 @@ def test_tiles_for_no_targets_at_all():
 @pytest.mark.parametrize("kind", [np.float32, np.float64])
 def test_the_compiled_gaussian_is_the_gaussian(kind, rng):
     """One source of mass one: the sums are the Gaussian itself, far into its tail."""
-    points = np.zeros((3, 400))
-    points[0] = np.linspace(0, 14 if kind == np.float64 else 8, 400)
-    c = np.zeros((5, 400), kind)
+    points = np.zeros((400, 3))
+    points[:, 0] = np.linspace(0, 14 if kind == np.float64 else 8, 400)
+    c = np.zeros((1, 400))
     c[0, 0] = 1
-    sums = direct.direct_sums(points, c, 20.0)[0]
+    sums = direct.PointGroups(OrderedPoints(points, c)).sums(1.0, 20.0, kind)[0]
     tolerance = 1e-11 if kind == np.float64 else 1e-4  # t itself is rounded: relative error t·eps
-    np.testing.assert_allclose(sums, np.exp(-0.5 * points[0] ** 2), rtol=tolerance)
+    np.testing.assert_allclose(sums, np.exp(-0.5 * points[:, 0] ** 2), rtol=tolerance)
+
+
+@pytest.mark.parametrize("kind", [np.float32, np.float64])
+def test_neighbours_are_the_same_bits_on_any_number_of_threads(kind, rng):
+    points = surface(5000)
+    c = channels(points, rng, 9)
+    found = []
+    for count in (1, 2, 5):
+        threads.limit(count)
+        found.append(direct.PointGroups(OrderedPoints(points, c)).sums(0.05, 5.0, kind))
+    threads.limit(None)
+    np.testing.assert_array_equal(found[0], found[1])
+    np.testing.assert_array_equal(found[0], found[2])
+
+
+def test_neighbours_far_from_all_others_are_found(rng):
+    """And as accurate: sixteen together may lie on two sides of a gap."""
+    points = np.vstack([surface(300) + np.array([1e3 * k, 0, 0]) for k in range(7)])
+    c = channels(points, rng)
+    exact = direct.exact_sums(points, c, 0.2)
+    sums = direct.PointGroups(OrderedPoints(points, c)).sums(0.2, 7.0, np.float32)
+    assert np.max(np.abs(sums - exact) / exact[0]) <= 1e-5
 
 
 def test_all_points_at_one_place(rng):
@@ -142,19 +164,21 @@ def test_the_estimated_cost_and_the_error_choose_the_way(monkeypatch, rng):
     """A call count, not a timing."""
     calls = []
     for module, name in (
-        (spectral, "spectral_sums"), (direct, "direct_sums"), (PointGrid, "sums"),
+        (spectral, "spectral_sums"), (direct.PointGroups, "sums"), (PointGrid, "sums"),
     ):  # fmt: skip
         original = getattr(module, name)
         monkeypatch.setattr(
-            module, name, lambda *a, _n=name, _f=original, **k: calls.append(_n) or _f(*a, **k)
+            module,
+            name,
+            lambda *a, _n=module.__name__, _f=original, **k: calls.append(_n) or _f(*a, **k),
         )
     points = surface(20_000)
     c = channels(points, rng, 10)
     gaussian_sums(points, c, 0.02, error=1e-4)
-    assert set(calls) == {"direct_sums"}
+    assert set(calls) == {"PointGroups"}
     calls.clear()
     gaussian_sums(points, c, 1.0, error=1e-4)
-    assert set(calls) == {"sums"}
+    assert set(calls) == {"PointGrid"}
     calls.clear()
     gaussian_sums(points, c, 1.0, error=1e-7)
-    assert set(calls) == {"spectral_sums"}
+    assert set(calls) == {spectral.__name__}

@@ -3,14 +3,14 @@
 import numpy as np
 import pytest
 
-from meshdepict import threads
-from meshdepict.shapes import samples
+from meshdepict import samples, threads
 from meshdepict.sums import grid_sums
 from meshdepict.sums.bells import RULES, bell, blur_taps, weight_table
-from meshdepict.sums.block_layout import cells, morton_order
+from meshdepict.sums.block_layout import cells
 from meshdepict.sums.direct_sums import exact_sums
 from meshdepict.sums.gaussian import GaussianSums
 from meshdepict.sums.grid_sums import PointGrid, rule_for
+from meshdepict.sums.ordered_points import OrderedPoints
 
 ALL = [pytest.param(rule, id=f"{rule.nodes} nodes") for rule in RULES]
 
@@ -24,6 +24,10 @@ def channels(points, count=9):
     rng = np.random.default_rng(5)
     mass = rng.uniform(0.2, 1, len(points))
     return np.vstack([mass, mass * rng.uniform(-1, 1, (count - 1, len(points)))])
+
+
+def grid_of(points, c, widths=()):
+    return PointGrid(OrderedPoints(points, c), widths)
 
 
 def off(found, exact):
@@ -53,11 +57,12 @@ def test_two_bells_and_a_blur_are_a_gaussian(rule, wider):
 
 @pytest.mark.parametrize("rule", ALL)
 def test_a_table_has_the_bell_between_its_steps(rule):
-    table = weight_table(rule).astype(float)
+    table = weight_table(rule, 8).astype(float)
     share = np.random.default_rng(1).random(200)
     at = share * (len(table) - 1)
     low, part = at.astype(int), (at % 1)[:, None]
-    found = (1 - part) * table[low] + part * table[low + 1]
+    assert not table[:, :, rule.nodes :].any()
+    found = (table[low, 0] + part * table[low, 1])[:, : rule.nodes]
     exact = bell(np.arange(rule.nodes) - (rule.nodes / 2 - 1) - share[:, None], rule)
     # Where a bell of few nodes ends its slope has no bound; what it is there is small.
     assert np.abs(found - exact).max() < 0.1 * rule.error
@@ -71,23 +76,35 @@ def test_a_smaller_error_has_a_rule_of_more_nodes():
 # --- layout -----------------------------------------------------------------------------------
 
 
-def test_points_along_mortons_curve_stay_in_each_cube_until_all_were_there():
-    places = np.random.default_rng(2).random((3, 4000))
-    order = morton_order(places)
-    for across in (2, 4, 16):
-        cube = ((places * across).astype(int).T @ (1, across, across**2))[order]
-        entered = cube[np.flatnonzero(np.diff(cube, prepend=-1))]
-        assert len(entered) == len(np.unique(entered))
-
-
 def test_points_of_a_cell_share_their_block():
-    block = np.random.default_rng(3).integers(-9, 9, (500, 3)).astype(np.int32)
-    found = cells(block, room=2)
+    key = np.random.default_rng(3).integers(0, 50, 500)
+    key[100:300] = 7  # as they mostly are: one after the other
+    found = cells(key, np.array([1, 5, 25]), np.zeros(3, np.int64))
     assert sorted(found.order) == list(range(500))
-    for begin, end, key in zip(found.starts, found.starts[1:], found.keys, strict=False):
-        own = block[found.order[begin:end]]
-        assert (own == own[0]).all()
-        assert key == found.keys[0] + (own[0] - block[found.order[0]]) @ found.step
+    np.testing.assert_array_equal(found.keys, np.unique(key))
+    for begin, end, own in zip(found.starts, found.starts[1:], found.keys, strict=False):
+        assert (key[found.order[begin:end]] == own).all()
+        assert (np.diff(found.order[begin:end]) > 0).all()
+    np.testing.assert_array_equal(found.places(0, 50) @ found.step, found.keys)
+
+
+@pytest.mark.parametrize("count", [1, 15, 16, 17, 400, 4995])
+def test_points_in_order_are_all_there_and_sixteen_of_them_close_together(count):
+    points = torus(5000)[:count]
+    found = OrderedPoints(points, channels(points, 3))
+    assert sorted(found.order) == list(range(count))
+    np.testing.assert_array_equal(found.points, points[found.order])
+    np.testing.assert_array_equal(found.rows.T, found.channels[:, found.order].astype(np.float32))
+    if count == 4995:
+        whole = found.points[:4992].reshape(-1, 16, 3)
+        across = np.linalg.norm(np.ptp(whole, axis=1), axis=1)
+        area = samples.torus(5000).areas.mean()
+        assert np.median(across) < 2 * np.sqrt(16 * area)  # a square's diagonal has √2
+
+
+def test_points_at_one_place_are_put_in_order_as_well():
+    points = np.zeros((3000, 3))
+    assert sorted(OrderedPoints(points, channels(points, 1)).order) == list(range(3000))
 
 
 # --- sums -------------------------------------------------------------------------------------
@@ -98,7 +115,7 @@ def test_points_of_a_cell_share_their_block():
 def test_sums_keep_the_error_of_their_rule(rule, width):
     points = torus()
     c = channels(points)
-    found = PointGrid(points, c).sums(width, rule)
+    found = grid_of(points, c).sums(width, rule)
     # Beside the rule's, that of single precision.
     assert off(found, exact_sums(points, c, width)) <= 1.2 * rule.error
 
@@ -112,7 +129,7 @@ def test_a_plane_at_the_worst_height_between_nodes_keeps_it_too(rule):
     for height in np.arange(5) / 5 * width / rule.density:
         points = np.vstack([low, flat + np.array([0, 0, height])])
         c = channels(points, 2)
-        found = PointGrid(points, c).sums(width, rule)
+        found = grid_of(points, c).sums(width, rule)
         assert off(found, exact_sums(points, c, width)) <= 3 * rule.error
 
 
@@ -120,7 +137,7 @@ def test_a_plane_at_the_worst_height_between_nodes_keeps_it_too(rule):
 def test_any_number_of_channels(count):
     points = torus(600)
     c = channels(points, count)
-    found = PointGrid(points, c).sums(0.2, RULES[-1])
+    found = grid_of(points, c).sums(0.2, RULES[-1])
     assert found.shape == (count, len(points))
     assert off(found, exact_sums(points, c, 0.2)) <= 1.2 * RULES[-1].error
 
@@ -132,17 +149,17 @@ def test_many_points_at_one_place_are_as_accurate():
     """
     points = np.vstack([np.zeros((20_000, 3)), [[1.0, 1.0, 1.0]]])
     c = channels(points, 2)
-    found = PointGrid(points, c).sums(0.2, RULES[-1])
+    found = grid_of(points, c).sums(0.2, RULES[-1])
     assert off(found[:, :1], c[:, :-1].sum(axis=1, keepdims=True)) <= 3 * RULES[-1].error
 
 
 def test_layers_that_are_summed_one_after_the_other_are_the_whole(monkeypatch):
     points = torus()
     c = channels(points)
-    whole = PointGrid(points, c).sums(0.05, RULES[-1])
+    whole = grid_of(points, c).sums(0.05, RULES[-1])
     monkeypatch.setattr(grid_sums, "_MOST_BLOCKS", 40)
     shares = []
-    layers = PointGrid(points, c).sums(0.05, RULES[-1], done=shares.append)
+    layers = grid_of(points, c).sums(0.05, RULES[-1], done=shares.append)
     assert len(shares) > 3
     assert sum(shares) == pytest.approx(1)
     assert off(layers, whole) < 1e-6
@@ -154,7 +171,7 @@ def test_the_same_bits_on_any_number_of_threads():
     found = []
     for count in (1, 2, 5):
         threads.limit(count)
-        found.append(PointGrid(points, c).sums(0.03, RULES[-1]))
+        found.append(grid_of(points, c).sums(0.03, RULES[-1]))
     threads.limit(None)
     np.testing.assert_array_equal(found[0], found[1])
     np.testing.assert_array_equal(found[0], found[2])
@@ -173,14 +190,14 @@ def test_a_width_is_summed_the_same_whatever_was_asked_for_before():
 
 def test_neighbouring_widths_share_what_was_spread(monkeypatch):
     calls = []
-    spread = grid_sums._spread
-    monkeypatch.setattr(grid_sums, "_spread", lambda *a: calls.append(1) or spread(*a))
+    spread = PointGrid._spread
+    monkeypatch.setattr(PointGrid, "_spread", lambda *a: calls.append(1) or spread(*a))
     points = torus(20_000)
     widths = [0.4 * 2 ** (k / 2) for k in range(6)]
-    grid = PointGrid(points, channels(points), widths)
+    grid = grid_of(points, channels(points), widths)
     for width in widths:
         assert off(
-            grid.sums(width, RULES[-1]), PointGrid(points, channels(points)).sums(width, RULES[-1])
+            grid.sums(width, RULES[-1]), grid_of(points, channels(points)).sums(width, RULES[-1])
         ) < 2 * RULES[-1].error  # fmt: skip
     assert len(calls) - len(widths) < len(widths)  # the second kind spreads each time
 
@@ -189,7 +206,7 @@ def test_targets_alone_are_gathered():
     points = torus()
     c = channels(points)
     targets = np.arange(len(points)) % 7 == 0
-    grid = PointGrid(points, c)
+    grid = grid_of(points, c)
     some, all_ = grid.sums(0.2, RULES[-1], targets=targets), grid.sums(0.2, RULES[-1])
     np.testing.assert_array_equal(some[:, targets], all_[:, targets])
     assert not some[:, ~targets].any()
@@ -201,13 +218,13 @@ def test_a_line_of_points_and_a_far_one_need_no_more_than_their_blocks(axis):
     points[:, axis] = np.linspace(0, 1, 300)
     points[-1, axis] = 1e4
     c = channels(points, 2)
-    found = PointGrid(points, c).sums(0.05, RULES[-1])
+    found = grid_of(points, c).sums(0.05, RULES[-1])
     assert off(found, exact_sums(points, c, 0.05)) <= 3 * RULES[-1].error
 
 
 def test_what_a_grid_cant_tell_costs_beyond_all_bounds():
     points = torus(500)
-    grid = PointGrid(points, channels(points))
+    grid = grid_of(points, channels(points))
     assert grid.cost(1e-9, RULES[-1], 500) == np.inf
     assert grid.cost(1e9, RULES[-1], 500) == np.inf
     assert grid.cost(0.1, RULES[-1], 500) < np.inf

@@ -8,7 +8,7 @@ from PIL import Image
 
 from meshdepict.baking.look import Look
 from meshdepict.errors import MeshdepictError
-from meshdepict.shapes.samples import ct_phantom
+from meshdepict.samples import ct_phantom
 from meshdepict.viewer.controls import controls
 from meshdepict.viewer.session import Session
 from meshdepict.viewer.windows import keys, volume_keys, window_events

@@ -20,7 +20,7 @@ from conftest import PATIENCE
 from meshdepict import bake
 from meshdepict.errors import MeshdepictError
 from meshdepict.io import read_mesh, write_mesh
-from meshdepict.shapes.samples import golf_ball
+from meshdepict.samples import golf_ball
 from meshdepict.viewer.browser import serve, server
 from meshdepict.viewer.browser.desk import KINDS, Desk
 from meshdepict.viewer.session import Session

@@ -5,11 +5,10 @@ import numpy as np
 import pytest
 from chromium import tab  # noqa: F401
 
-from meshdepict import bake
+from meshdepict import bake, samples
 from meshdepict.baking.baked import Baked
 from meshdepict.errors import MeshdepictError
 from meshdepict.scene.view import View
-from meshdepict.shapes import samples
 from meshdepict.shapes.mesh import Mesh
 from meshdepict.viewer.packing import pack_mesh, sight
 

@@ -13,10 +13,10 @@ from textured_shapes import globe, laid, picture, sheet
 from textured_views import hill, islands, looked_up, noise, wrapped
 
 import meshdepict as md
+from meshdepict import samples
 from meshdepict.baking.own_colors import own_appearance
 from meshdepict.errors import MeshdepictError
 from meshdepict.scene.names import as_view
-from meshdepict.shapes import samples
 from meshdepict.shapes.mesh import Mesh
 from meshdepict.shapes.textures import Texture
 from meshdepict.viewer.packed_appearance import pack_appearance
