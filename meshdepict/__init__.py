@@ -14,7 +14,7 @@ TYPE_CHECKING = False  # typing's takes milliseconds; type checkers know the nam
 if TYPE_CHECKING:
     from typing import Any
 
-    from meshdepict import congruence, curvature, shading
+    from meshdepict import congruence, curvature, samples, shading
     from meshdepict.baking.baked import Baked
     from meshdepict.baking.baked_texture import BakedTexture
     from meshdepict.baking.look import bake, bake_together, bake_volume
@@ -34,7 +34,6 @@ if TYPE_CHECKING:
     from meshdepict.scene.light import Light
     from meshdepict.scene.view import View
     from meshdepict.shading.method import method
-    from meshdepict.shapes import samples
     from meshdepict.shapes.gbuffer import GBuffer
     from meshdepict.shapes.ground_plane import ground_under
     from meshdepict.shapes.height_field import HeightField
@@ -113,8 +112,6 @@ _HOME = {
     "smooth_normals": "scales.making",
 }
 
-_MODULES = {"samples": "shapes.samples"}
-
 
 def __getattr__(name: str) -> Any:
     import importlib
@@ -126,7 +123,7 @@ def __getattr__(name: str) -> Any:
     if name in _HOME:
         return getattr(importlib.import_module(f"meshdepict.{_HOME[name]}"), name)
     if name in __all__:
-        return importlib.import_module(f"meshdepict.{_MODULES.get(name, name)}")
+        return importlib.import_module(f"meshdepict.{name}")
     raise AttributeError(f"module 'meshdepict' has no attribute {name!r}")
 
 

@@ -106,6 +106,7 @@ class Depict:
         surface = self._kept(scalars) if not fresh else _surface_of(dataset, None)
         if counts_pixels(settings.get("width")):
             settings["width"] = measured(Look(method, **settings), surface.shape).width
+        settings = _with_ladder(method, settings)
         ladder = {name: settings.pop(name) for name in LADDER if name in settings}
         factor = settings.get("z_factor", 1.0)
         baked = bake(surface.space(declaration(function), ladder, factor), method, **settings)
@@ -122,6 +123,7 @@ class Depict:
         image = self._dataset
         where, name = scalar_array(image, scalars)
         declared = declaration(find_method(method))
+        settings = _with_ladder(method, settings)
         seen = ("view", "up") if counts_pixels(settings.get("width")) else ()
         ladder = tuple(settings.get(key) for key in ("transfer", *LADDER, *seen))
         key = _stamp(image, scalars), declared.scales, declared.ratio, ladder
@@ -151,6 +153,18 @@ class Depict:
         if self._surface is None or self._surface.stamp != stamp:
             self._surface = _surface_of(self._dataset, scalars)
         return self._surface
+
+
+def _with_ladder(method: str | Callable[..., Any], settings: dict[str, Any]) -> dict[str, Any]:
+    """Return settings with what their accuracy chooses of a scale space."""
+    if settings.get("budget") is not None:
+        raise MeshdepictError(
+            "budget is for bakes, and mesh.depict keeps what it has smoothed: choose an accuracy"
+        )
+    if settings.get("accuracy") is None or settings.get("blend") is not None:
+        return settings
+    taken = Look(method, **settings).taken
+    return {**{name: taken[name] for name in LADDER if name in taken}, **settings}
 
 
 class _Surface:

@@ -111,7 +111,11 @@ class Samples:
     def __init__(self, values: Any) -> None:
         import numpy as np
 
-        self._values = np.array(values, np.float64)
+        given = np.asanyarray(values)
+        if given.dtype.kind not in "biufO":  # NumPy would make numbers of texts and dates
+            raise TypeError
+        with np.errstate(over="ignore"):  # what is too large is infinite, and refused as that
+            self._values = np.array(given, np.float64)
         self._values.setflags(write=False)
 
     def __array__(self, dtype: Any = None, copy: Any = None) -> Any:

@@ -1,4 +1,4 @@
-"""Threads: how many, a parallel map with progress, and how kernels for them are compiled.
+"""Threads: how many, a parallel map with progress, and how kernels for them are declared.
 
 Kernels are compiled to release the interpreter's lock and are run by ordinary Python threads.
 That needs no threading layer of numba's, so it is safe from several threads at once, after a
@@ -15,6 +15,7 @@ from itertools import pairwise
 from typing import Any, Literal
 
 from meshdepict.errors import MeshdepictError
+from meshdepict.kernels.kernel import Kernel
 from meshdepict.options import real
 
 __all__ = ["Rounding", "each", "kernel", "limit", "spans", "thread_count"]
@@ -92,8 +93,8 @@ def kernel(
 ) -> Callable[[Callable[..., Any]], Any]:
     """Compile a function by numba, to be run by several threads at once, and keep it on disk.
 
-    It is compiled anew when its own file has changed. Whoever changes a kernel that another file's
-    kernels call, or what is said here, empties their ``__pycache__``.
+    Machine code that was kept is loaded without numba; see `meshdepict.kernels`. It is compiled
+    anew where the function, a constant or a kernel that it refers to has changed.
 
     Parameters
     ----------
@@ -102,13 +103,11 @@ def kernel(
     inline : bool
         Whether its text becomes part of the kernels that call it.
     """
-    from numba import njit
-
-    compiled: Callable[[Callable[..., Any]], Any] = njit(
-        nogil=True, cache=True, error_model="numpy", fastmath=_FLAGS[rounding],
-        inline="always" if inline else "never",
-    )  # fmt: skip
-    return compiled
+    options = {
+        "nogil": True, "error_model": "numpy", "fastmath": _FLAGS[rounding],
+        "inline": "always" if inline else "never",
+    }  # fmt: skip
+    return lambda function: Kernel(function, options)
 
 
 def spans(count: int, pieces: int) -> list[tuple[int, int]]:

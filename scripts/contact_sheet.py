@@ -25,11 +25,10 @@ from scipy.ndimage import gaussian_filter
 from tables import head, row
 
 import meshdepict as md
-from meshdepict import color
+from meshdepict import color, samples
 from meshdepict.scene.names import as_light
 from meshdepict.scene.view import View
 from meshdepict.shading import METHODS, declaration
-from meshdepict.shapes import samples
 from meshdepict.shapes.isosurface import isosurface
 
 MARGIN = 4

@@ -20,7 +20,7 @@ from meshdepict.baking.look import bake_volume
 from meshdepict.drawing.figure import Figure
 from meshdepict.drawing.volume_picture import draw_volume
 from meshdepict.io.volumes import read_volume
-from meshdepict.shapes.samples import ct_phantom
+from meshdepict.samples import ct_phantom
 from meshdepict.shapes.volume import Volume
 
 OUTPUT = Path(__file__).resolve().parent.parent / "docs" / "ct.png"

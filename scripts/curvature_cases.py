@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 
 import meshdepict as md
+from meshdepict import samples
 from meshdepict.curvature import principal_curvatures
-from meshdepict.shapes import samples
 
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT / "tests"))

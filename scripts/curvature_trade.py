@@ -34,8 +34,8 @@ from tables import head, row
 
 import meshdepict as md
 from benchmarks.timing import shortest
+from meshdepict import samples
 from meshdepict.curvature import principal_curvatures
-from meshdepict.shapes import samples
 from meshdepict.threads import thread_count
 
 ROOT = Path(__file__).resolve().parent.parent

@@ -10,7 +10,7 @@ from PIL import Image, ImageDraw, ImageFont
 from scipy.ndimage import gaussian_filter
 
 import meshdepict as md
-from meshdepict.shapes import samples
+from meshdepict import samples
 from meshdepict.shapes.isosurface import isosurface
 
 EMBOSSED = 0.004  # height of letters, in halves of a page's height

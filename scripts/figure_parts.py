@@ -16,14 +16,13 @@ from PIL import Image, ImageDraw, ImageFont
 from scipy.ndimage import gaussian_filter
 
 import meshdepict as md
-from meshdepict import color
+from meshdepict import color, samples
 from meshdepict.congruence.judging import Judge
 from meshdepict.scales.image_scales import image_space
 from meshdepict.scene.names import as_lights
 from meshdepict.scene.view import View
 from meshdepict.shading import declaration
 from meshdepict.shading.registry import find_method
-from meshdepict.shapes import samples
 from meshdepict.shapes.gbuffer import GBuffer
 
 BACKGROUND = (198, 205, 214)

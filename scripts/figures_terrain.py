@@ -8,9 +8,8 @@ from numpy.typing import NDArray
 from PIL import Image
 
 import meshdepict as md
-from meshdepict import color
+from meshdepict import color, samples
 from meshdepict.shading.exaggerated import soft_toon
-from meshdepict.shapes import samples
 
 LEVEL = np.array([-1.0, 1.0, 0.0]) / 2**0.5  # northwest, level, as the paper lights terrain
 NORTHWEST = np.array([-1.0, 1.0, 1.0]) / 3**0.5

@@ -25,6 +25,7 @@ from tables import head, row
 
 import meshdepict as md
 from benchmarks.timing import shortest
+from meshdepict import samples
 from meshdepict.color.srgb import linear_to_srgb
 from meshdepict.scales.image_scales import image_space
 from meshdepict.scales.interpolated_scales import InterpolatedSpace
@@ -32,7 +33,6 @@ from meshdepict.scene.names import as_light
 from meshdepict.shading import declaration
 from meshdepict.shading.registry import METHODS as ALL
 from meshdepict.shading.registry import find_method
-from meshdepict.shapes import samples
 from meshdepict.shapes.gbuffer import GBuffer
 from meshdepict.threads import thread_count
 

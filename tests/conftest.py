@@ -10,15 +10,18 @@ from types import ModuleType
 
 import numpy as np
 import pytest
+from hypothesis import settings
 from promises import promises, watch_parameters, watched_functions  # noqa: F401
 from side_by_side import pytest_xdist_auto_num_workers, share_of_threads  # noqa: F401
 
-from meshdepict import threads
+from meshdepict import samples, threads
 from meshdepict.files import limits
-from meshdepict.shapes import samples
 from meshdepict.shapes.mesh import Mesh
 
 DATA = os.environ.get("MESHDEPICT_DATA")
+
+# tests/extremes, for hours.
+settings.register_profile("long", max_examples=100_000, deadline=None)
 
 # Seconds until a test gives up on another program or thread. Only one that hangs takes them: on
 # two free cores none takes six, and some machines are busy and ten times slower.

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from meshdepict.shapes import samples
+from meshdepict import samples
 from meshdepict.shapes.mesh import Mesh
 
 AXES = np.array([1.0, 0.7, 0.5])  # of the ellipsoid

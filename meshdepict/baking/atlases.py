@@ -73,13 +73,14 @@ def atlas_of(mesh: Mesh, size: int, kind: str | None = None) -> Atlas:
     size : int
         Texels along the side.
     kind : str, optional
-        One of `ATLASES`; "own" unless given, and "new" of a mesh without texture coordinates.
+        One of `ATLASES`; "own" unless given, and "new" of a mesh without texture coordinates, and,
+        with a note, of one whose coordinates cover nothing.
 
     Raises
     ------
     MeshdepictError
-        For coordinates that are missing or overlap, an unknown kind, and more triangles than have
-        room.
+        For coordinates that overlap, or are missing from some triangles, an unknown kind, and more
+        triangles than have room.
     """
     if kind is not None and (not isinstance(kind, str) or kind not in ATLASES):
         raise MeshdepictError(f"atlas={kind!r} is none of {', '.join(ATLASES)}")
@@ -91,10 +92,7 @@ def atlas_of(mesh: Mesh, size: int, kind: str | None = None) -> Atlas:
         claims = _all_claims(grid)
         used = int(claims.counts.sum())
         if used == 0:
-            raise MeshdepictError(
-                "the mesh's texture coordinates cover no texel, every triangle's lie on a line or "
-                "at a point: let a new atlas be made (--atlas new)"
-            )
+            return _in_place_of(mesh, size, asked=kind == "own")
         if claims.shared > _SHARED * used:
             share = f"{claims.shared / used:.0%} of their texels lie in several"
             raise MeshdepictError(_overlapping(mesh, share))
@@ -115,10 +113,26 @@ def atlas_of(mesh: Mesh, size: int, kind: str | None = None) -> Atlas:
         grid = TexelGrid(found, size)
         grid.fill_in(_all_claims(grid))
         return Atlas("xatlas", found, grid, _GUTTER)
+    return _new(mesh, size)
+
+
+def _new(mesh: Mesh, size: int) -> Atlas:
     from meshdepict.surface.triangle_pairs import paired
 
     found = paired(mesh.unit_points, mesh.faces, size)
     return Atlas("new", found, TexelGrid(found, size, closed=True), _GUTTER)
+
+
+def _in_place_of(mesh: Mesh, size: int, *, asked: bool) -> Atlas:
+    """Return a new atlas with a note, or refuse own coordinates that are asked for and no use."""
+    fault = (
+        "the mesh's texture coordinates cover no texel, every triangle's lie on a line or at a "
+        "point"
+    )
+    if asked:
+        raise MeshdepictError(f"{fault}: let a new atlas be made (--atlas new)")
+    warnings.warn(f"{fault}: a new atlas is made", MeshdepictWarning, stacklevel=3)
+    return _new(mesh, size)
 
 
 def _own(mesh: Mesh, *, asked: bool) -> Floats | None:

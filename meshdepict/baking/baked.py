@@ -12,10 +12,10 @@ from numpy.typing import NDArray
 
 from meshdepict.baking.provenance import comment_lines, was_baked
 from meshdepict.errors import MeshdepictError
-from meshdepict.io.relief_files import RELIEFS
 from meshdepict.scene.view import View
 from meshdepict.shapes.gbuffer import GBuffer
 from meshdepict.shapes.height_field import HeightField
+from meshdepict.shapes.mesh import Mesh
 
 if TYPE_CHECKING:
     from meshdepict.baking.choices import Choices
@@ -24,9 +24,12 @@ if TYPE_CHECKING:
     from meshdepict.drawing.page import Page
     from meshdepict.scales.space import ScaleSpace
     from meshdepict.scene.shape import Shape
-    from meshdepict.shapes.mesh import Mesh
+    from meshdepict.shapes.appearance import Appearance
 
-__all__ = ["Baked", "Depiction"]
+__all__ = ["PAGES", "Baked", "Depiction"]
+
+PAGES = (".html", ".htm")
+"""Suffixes of pages that turn."""
 
 _IN_NOTEBOOKS = (480, 480)  # pixels: beside a cell, and drawn at once
 
@@ -154,6 +157,14 @@ class Depiction:
         """Return what `picture` writes, laid out in a figure."""
         raise NotImplementedError
 
+    def _save_page(
+        self, path: str | Path, mesh: Mesh, appearances: Mapping[str, Appearance]
+    ) -> Path:
+        """Write a page of a mesh that turns; see `viewer.page`."""
+        from meshdepict.viewer.page import save_page
+
+        return save_page(path, mesh, self.view, self.provenance, appearances)
+
     def _repr_png_(self) -> bytes | None:
         """Return a small picture, which notebooks show; None where nothing can be drawn."""
         from meshdepict.drawing.figure import Figure
@@ -251,10 +262,22 @@ class Baked(Depiction):
             raise MeshdepictError(f"an {self.shape.kind} is no surface: save it, or bake a mesh")
         return self.shape.mesh if isinstance(self.shape, HeightField) else self.shape
 
+    @property
+    def appearances(self) -> dict[str, Appearance]:
+        """How the mesh looks, and how it looks in its file where that has colours, by names."""
+        from meshdepict.baking.own_colors import own_appearance
+        from meshdepict.shapes.appearance import Appearance
+
+        mesh = self.mesh
+        found = {self.provenance["method"].replace("_", " "): Appearance(mesh, self.colors)}
+        own = own_appearance(mesh) if isinstance(self.shape, Mesh) else None
+        return found if own is None else {**found, own.name: own}
+
     def save(self, path: str | Path) -> Path:
         """Write the shape with its colours; the suffix decides the format.
 
-        ``.html`` is a page of its own that turns, offline, in any browser; see `save_page`. An
+        ``.html`` is a page of its own that turns, offline, in any browser, beside the file's own
+        colours or texture, if there are any; see `save_page`. An
         image is written as a picture, and so is a height field as ``.png``, ``.jpg`` or ``.tif``:
         on its raster, at its place on the map. Of other formats, everything the input file had is
         kept, and the materials and pictures that it names are copied along. An existing file is
@@ -267,12 +290,13 @@ class Baked(Depiction):
         """
         if isinstance(self.shape, GBuffer):
             return self.picture(path)
-        if isinstance(self.shape, HeightField) and Path(path).suffix.lower() in RELIEFS:
-            return self._save_relief(self.shape, Path(path))
-        if Path(path).suffix.lower() in (".html", ".htm"):
-            from meshdepict.viewer.page import save_page
+        if isinstance(self.shape, HeightField):
+            from meshdepict.io.relief_files import RELIEFS
 
-            return save_page(self, path)
+            if Path(path).suffix.lower() in RELIEFS:
+                return self._save_relief(self.shape, Path(path))
+        if Path(path).suffix.lower() in PAGES:
+            return self._save_page(path, self.mesh, self.appearances)
         from meshdepict.io import write_mesh
 
         write_mesh(path, self.mesh, colors=self.colors, comments=self.comments)

@@ -17,19 +17,18 @@ from pathlib import Path
 import numpy as np
 
 from meshdepict.baking.baked import Baked
+from meshdepict.baking.budget import within_budget
 from meshdepict.baking.look import Look
 from meshdepict.baking.objects import bake_on_ground, scene_look, scene_meshes
 from meshdepict.baking.pixel_widths import measured
-from meshdepict.baking.provenance import fitted_text
+from meshdepict.baking.provenance import fitted_text, sampled_text
 from meshdepict.baking.refinement import worth_refining
 from meshdepict.baking.smearing import CREASES, NOTEWORTHY, smeared_share
 from meshdepict.baking.surfaces import as_solid, bake_surface, with_choices
 from meshdepict.baking.targets import check_target, identities
 from meshdepict.console import Heard, about, complain, notes, progress_bar, say
-from meshdepict.drawing.before_after import before_after
 from meshdepict.drawing.figure import Figure, summary
 from meshdepict.drawing.framing import check_scale, frame
-from meshdepict.drawing.picture import save_picture
 from meshdepict.drawing.picture_files import PICTURES, check_picture, write_page
 from meshdepict.errors import MeshdepictError, MeshdepictWarning
 from meshdepict.io import write_mesh
@@ -37,10 +36,10 @@ from meshdepict.io.folders import RASTERS
 from meshdepict.io.source import FORMATS, WRITABLE, suffix_of
 from meshdepict.options import Values, options_of
 from meshdepict.shading.method import declaration
-from meshdepict.shapes import samples
 from meshdepict.shapes.height_field import HeightField
 from meshdepict.shapes.joined import JoinedMesh
 from meshdepict.shapes.mesh import Mesh
+from meshdepict.surface.icosahedron import icosphere
 
 __all__ = ["MEMORY", "Batch", "Job", "caption_of", "check_look", "stem", "target_of", "unexpected"]
 
@@ -112,9 +111,11 @@ class Batch:
         """Bake everything that can be baked; return how many failed, each with one line."""
         sources: Sequence[Path | None] = self.inputs or [None]
         done, heard = 0, Heard()
-        for job in self._jobs():
+        jobs = self._jobs()
+        spent = time.process_time()  # by the first of them: the program has begun
+        for job in jobs:
             try:
-                line = self._bake(job, heard)
+                line = self._bake(job, heard, spent)
             except MeshdepictError as error:
                 complain(about(job.source, error))
             except MemoryError:
@@ -124,6 +125,7 @@ class Batch:
             else:
                 say(line)
                 done += 1
+            spent = 0.0
         heard.tell()
         if not self.inputs and done and not self.quiet:
             complain(_NEXT)
@@ -186,7 +188,11 @@ class Batch:
         return Job(source, output, picture, first)
 
     def _read(self, source: Path | None) -> Mesh | HeightField:
-        shape = samples.golf_ball() if source is None else as_solid(source, winding=self.winding)
+        if source is None:
+            from meshdepict import samples
+
+            return samples.golf_ball()
+        shape = as_solid(source, winding=self.winding)
         if isinstance(shape, Mesh):  # the ground of terrain is wound as it should be
             shape = shape.rewound() if self.fix_winding else shape
             shape = shape.as_triangles() if self.triangles else shape
@@ -204,8 +210,11 @@ class Batch:
             return raised
         return shape if look.ground is None else JoinedMesh(scene_meshes([shape], look))
 
-    def _bake(self, job: Job, heard: Heard) -> str:
-        """Bake one mesh, write the files and return the line about it."""
+    def _bake(self, job: Job, heard: Heard, spent: float = 0.0) -> str:
+        """Bake one mesh, write the files and return the line about it.
+
+        Seconds may be ``spent`` already of its budget.
+        """
         start = time.perf_counter()
         label = job.source.name if job.source else _GOLF_BALL
         with (
@@ -219,11 +228,19 @@ class Batch:
             if job.picture:
                 self._check_fit(shape, look)
             look = measured(look, self._seen(shape, look), self.figure if job.picture else None)
+            spent += time.perf_counter() - start
+            look, allowed = within_budget(
+                look, shape, spent=spent, writes=True, pictured=job.picture is not None
+            )
             baked = bake_on_ground(shape, look, progress=progress)
+            if allowed is not None:
+                baked.provenance["budget"] = str(allowed)
             self._save(baked, job.output)
             if job.first:
                 job = self._show_first(baked, job, look)
             elif job.picture:
+                from meshdepict.drawing.picture import save_picture
+
                 save_picture(baked.scene or baked, job.picture, self.figure)
             for text in self._remarks(baked, job.output):
                 warnings.warn(text, MeshdepictWarning, stacklevel=2)
@@ -240,6 +257,8 @@ class Batch:
     def _show_first(self, baked: Baked, job: Job, look: Look) -> Job:
         """Draw before and after; where nothing can be drawn, leave the picture out with a note."""
         assert job.picture is not None
+        from meshdepict.drawing.before_after import before_after
+
         before = bake_on_ground(baked.shape, look.replace(method=_BEFORE, blend=None, tint=None))
         captions = f"before: {_BEFORE}", f"after: {self.look.title}"
         try:
@@ -304,13 +323,14 @@ def check_look(look: Look) -> None:
         known = options_of(look.function)
         theirs = (name for name in look.options if isinstance(known[name].accepts, Values))
         usual = {
-            "albedo": "none", "normals": "computed", "z_factor": 1.0, **dict.fromkeys(theirs)
+            "albedo": "none", "normals": "computed", "z_factor": 1.0, "budget": None,
+            **dict.fromkeys(theirs),
         }  # fmt: skip
         if "one_light" in known:
             usual["one_light"] = None  # a sphere has no level ground
         asked = (look.function, *(layer.function for layer in look.layers))
         terrain = any("heights" in declaration(function).needs for function in asked)
-        tried = HeightField(np.eye(4)) if terrain else samples.sphere(12)
+        tried = HeightField(np.eye(4)) if terrain else Mesh(*icosphere(12))
         bake_surface(tried, look.replace(**usual))
 
 
@@ -370,12 +390,12 @@ def unexpected(error: Exception) -> MeshdepictError:
 def caption_of(job: Job, baked: Baked, seconds: float) -> str:
     """Return what a plate's caption needs: file, method, light, widths in file units, seconds."""
     parts = [f"{job.output}: {summary(baked.provenance)}"]
+    if allowed := baked.provenance.get("budget"):
+        parts.append(allowed)
     if baked.look is not None and (text := fitted_text(baked.look)):
         parts.append(text)
-    if found := baked.provenance.get("rays auto"):
-        parts.append(f"rays auto: {found}")
-    elif error := baked.provenance.get("light error"):
-        parts.append(f"light off by {error} (rms)")
+    if text := sampled_text(baked.provenance):
+        parts.append(text)
     if job.picture:
         parts.append(f"picture {job.picture}")
     return ", ".join([*parts, f"{seconds:.1f} s"])

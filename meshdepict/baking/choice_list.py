@@ -12,6 +12,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, ClassVar, Literal
 
+from meshdepict.baking.accuracy import NORMAL
 from meshdepict.scales.ladder import FACING, TOLERANCE
 from meshdepict.scene.names import LightsLike
 from meshdepict.scene.view import View
@@ -83,6 +84,12 @@ class ChoiceList:
         shape can stand.
     scales, width, ratio, facing, tolerance
         See `scale_space`; None takes what the method declares.
+    accuracy : {"draft", "normal", "reference"}
+        A named set of these numbers and of the method's own rays and lights, those that nobody
+        gives: see `accuracy.ACCURACIES` and docs/accuracy.md.
+    budget : float or str, optional
+        Seconds that a bake may take, as a number or such as "2s", "500ms", "1min": it has the best
+        accuracy that is predicted to fit, or draft where none is. In place of ``accuracy``.
     colormap : str, optional
         Name of a 1D colour map of the result; grey unless given.
     colormap2d : {"dusk", "earth", "swiss"}, optional
@@ -196,6 +203,18 @@ class ChoiceList:
         group="Detail", only=_SURFACES,
     )  # fmt: skip
     tolerance: float = _choice(TOLERANCE, "Largest error of a normal, in radians.", group="Detail")
+    accuracy: Literal["draft", "normal", "reference"] = _choice(
+        NORMAL,
+        "Tolerance, rays, lights of an environment and number of scales together: draft for "
+        "previews, reference below half a grey level; what else is said comes first.",
+        group="Detail",
+    )
+    budget: float | str | None = _choice(
+        None,
+        "Seconds that it may take, such as 2s, 500ms or 1min: the best accuracy that fits, as "
+        "predicted.",
+        group="Detail",
+    )
     refine: float | None = _choice(
         None,
         "Split triangles inside which colours would be off by more than so many of 255 grey "

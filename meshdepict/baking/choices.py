@@ -11,6 +11,7 @@ from numbers import Real
 from typing import TYPE_CHECKING, Any, Self
 
 from meshdepict import color
+from meshdepict.baking.accuracy import ACCURACIES, NORMAL, numbers_of
 from meshdepict.baking.choice_list import (
     AUTO,
     HEIGHTS,
@@ -20,10 +21,11 @@ from meshdepict.baking.choice_list import (
     choice_fields,
 )
 from meshdepict.baking.layer_list import Layer, as_layers, blend_name, kept_blend
+from meshdepict.baking.time_limits import as_seconds
 from meshdepict.color import colormaps2d
 from meshdepict.color.tints import checked_tint
 from meshdepict.errors import MeshdepictError, MeshdepictWarning
-from meshdepict.options import check, options_of, real
+from meshdepict.options import check, nearest, options_of, real
 from meshdepict.scene.environment import SAMPLINGS
 from meshdepict.scene.light import Light
 from meshdepict.scene.names import Lighting, LightsLike, as_light, as_lighting, as_view
@@ -49,27 +51,39 @@ _ON_TERRAIN = {"one_light": True, "sky": "overhead"}
 class Choices(ChoiceList):
     """How a shape shall look; parameters are those of `ChoiceList`, and the method's options.
 
+    Attributes
+    ----------
+    taken : dict
+        Choices and options that nobody gave and the accuracy chose, by name.
+
     Raises
     ------
     MeshdepictError
         For anything unknown or out of range.
     """
 
+    taken: dict[str, Any]
+    _said: frozenset[str]
+
     def __init__(self, method: str | Callable[..., Any] = "exaggerated", **chosen: Any) -> None:
         from meshdepict.shading.registry import find_method
 
         function = find_method(method)
         known = choice_fields()
+        if chosen.get("accuracy") is None:
+            chosen.pop("accuracy", None)
         if chosen.get("blend") is not None:
             chosen["blend"] = kept_blend(chosen["blend"])
             function = _within(as_layers(chosen["blend"]), function)
         if chosen.get("tint") is not None:
             chosen["tint"] = checked_tint(chosen["tint"])
+        said = frozenset(name for name, value in chosen.items() if value is not None)
         for name, each in known.items():
             object.__setattr__(self, name, chosen.pop(name, each.default))
         object.__setattr__(self, "method", function.__name__)
         object.__setattr__(self, "function", function)
         object.__setattr__(self, "options", check(function, chosen, self.method))
+        self._take_accuracy(said)
         if self.colormap is not None:
             color.colormap(self.colormap)
             if self.colormap2d is not None:
@@ -108,6 +122,33 @@ class Choices(ChoiceList):
             raise MeshdepictError(f"ground={self.ground!r} is neither 'matt' nor 'mirror'")
         if not isinstance(self.two_sided, bool):
             raise MeshdepictError(f"two_sided={self.two_sided!r} is neither True nor False")
+
+    def _take_accuracy(self, said: frozenset[str]) -> None:
+        """Take the numbers of an accuracy where nobody said others."""
+        accuracy = self.accuracy
+        if not isinstance(accuracy, str) or accuracy not in ACCURACIES:
+            raise MeshdepictError(
+                f"accuracy={accuracy!r} is none of {', '.join(ACCURACIES)}"
+                f"{nearest(str(accuracy), ACCURACIES)}"
+            )
+        if self.budget is not None:
+            as_seconds(self.budget)
+            if "accuracy" in said and accuracy != NORMAL:
+                raise MeshdepictError(
+                    f"budget chooses an accuracy, and accuracy={accuracy!r} is chosen: give one of "
+                    "them"
+                )
+        taken = numbers_of(accuracy, self.function, self.options, blended=self.blend is not None)
+        if said & {"scales", "ratio"}:  # which belong together
+            said |= {"scales", "ratio"}
+        taken = {name: value for name, value in taken.items() if name not in said}
+        fields = choice_fields()
+        for name in taken.keys() & fields.keys():
+            object.__setattr__(self, name, taken[name])
+        more = {name: value for name, value in taken.items() if name not in fields}
+        object.__setattr__(self, "options", {**self.options, **more})
+        object.__setattr__(self, "taken", taken)
+        object.__setattr__(self, "_said", said)
 
     def __repr__(self) -> str:
         """Return what differs from the defaults."""
@@ -319,12 +360,16 @@ class Choices(ChoiceList):
 
     def words(self) -> dict[str, Any]:
         """Return what differs from the defaults, and the options, as keywords; not the method."""
+        chosen = self.accuracy != NORMAL or self.budget is not None
+        kept = self._said if chosen else frozenset()  # the usual, too, which wins over an accuracy
         fields = {
             name: getattr(self, name)
             for name, each in choice_fields().items()
-            if name != "method" and not _is(getattr(self, name), each.default)
+            if name not in ("method", *self.taken)
+            and (name in kept or not _is(getattr(self, name), each.default))
         }
-        return {**fields, **self.options}
+        options = {name: value for name, value in self.options.items() if name not in self.taken}
+        return {**fields, **options}
 
     def replace(self, **changes: Any) -> Self:
         """Return other choices: with changes.

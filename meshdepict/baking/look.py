@@ -5,20 +5,20 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Iterable
 from pathlib import Path
-from typing import Any, Self, TypeGuard
+from typing import TYPE_CHECKING, Any, Self, TypeGuard
 
 import numpy as np
 
-from meshdepict.baking import volumes
 from meshdepict.baking.baked import Baked
 from meshdepict.baking.baked_together import BakedTogether
 from meshdepict.baking.choices import Choices, takes_choices
 from meshdepict.baking.objects import OF_THE_SCENE, bake_objects, bake_on_ground, with_own
 from meshdepict.baking.recipe import load_recipe, save_recipe
-from meshdepict.baking.volumes import BakedVolume
 from meshdepict.errors import MeshdepictError
-from meshdepict.scales.grid_making import MEMORY
-from meshdepict.scales.ladder import Progress
+from meshdepict.scales.ladder import MEMORY, Progress
+
+if TYPE_CHECKING:
+    from meshdepict.baking.volumes import BakedVolume
 
 __all__ = ["Look", "bake", "bake_together", "bake_volume"]
 
@@ -44,6 +44,8 @@ class Look(Choices):
         MeshdepictError
             As `bake` and `bake_volume`.
         """
+        from meshdepict.baking import volumes  # loaded where there is one
+
         if volumes.is_volume(shape):
             return volumes.bake_grid(shape, self, progress=progress)
         return bake_on_ground(shape, self, progress=progress)
@@ -182,4 +184,6 @@ def bake_volume(
         For anything unknown or out of range, where nothing is shown, and for methods that cannot
         be had slab by slab.
     """
+    from meshdepict.baking import volumes
+
     return volumes.bake_grid(volume, Look(method, **chosen), memory=memory, progress=progress)

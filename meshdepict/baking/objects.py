@@ -10,18 +10,14 @@ from typing import Any, TypeVar
 
 from meshdepict.baking.baked import Baked
 from meshdepict.baking.baked_together import BakedTogether
+from meshdepict.baking.budget import Predicted, within_budget
 from meshdepict.baking.choice_list import AUTO, MESH
 from meshdepict.baking.choices import Choices
 from meshdepict.baking.chosen_normals import sides_of
 from meshdepict.baking.mirror_ground import mirrored, mirrored_picture
+from meshdepict.baking.own_colors import own_colors, surface_tints
 from meshdepict.baking.sampling import Place, sampled
-from meshdepict.baking.surfaces import (
-    as_surface,
-    bake_surface,
-    own_colors,
-    surface_tints,
-    with_choices,
-)
+from meshdepict.baking.surfaces import as_surface, bake_surface, with_choices
 from meshdepict.errors import MeshdepictError, MeshdepictWarning
 from meshdepict.options import options_of
 from meshdepict.scales.company import Company
@@ -44,7 +40,7 @@ __all__ = [
 
 Look = TypeVar("Look", bound=Choices)
 
-OF_THE_SCENE = ("light", "sampling", "view", "up", "ground")
+OF_THE_SCENE = ("light", "sampling", "view", "up", "ground", "accuracy", "budget")
 """Choices that all objects of a scene share."""
 
 _OF_LIGHT = ("shadows", "bounces", "rays")
@@ -95,7 +91,7 @@ def bake_objects(
     for number, (shape, look) in enumerate(zip(shapes, looks, strict=True), start=1):
         with _named(number, len(shapes)):
             meshes.append(_mesh(shape, look))
-    looks = _posed(meshes, looks)
+    looks, allowed = _within_budget(meshes, _posed(meshes, looks))
     company = Company(scene_meshes(meshes, looks[0]))
     _warn_of_small(meshes, company.surface)
     if looks[0].ground is not None:
@@ -119,6 +115,9 @@ def bake_objects(
         if isinstance(baked.shape, GroundPlane) and baked.shape.mirror:
             shown[number] = mirrored_picture(baked, bakes)
             bakes[number] = mirrored(baked, bakes)
+    if allowed is not None:
+        for baked in bakes:
+            baked.provenance["budget"] = str(allowed)
     ground = None if looks[0].ground is None else bakes.pop()
     return BakedTogether(bakes, shown, eye, ground=ground)
 
@@ -141,6 +140,16 @@ def scene_meshes(meshes: Sequence[Mesh], look: Choices) -> list[Mesh]:
         return [*meshes]
     ground = ground_under(meshes, up=look.axis(MESH), mirror=look.ground == "mirror")
     return [*meshes, ground]
+
+
+def _within_budget(
+    meshes: Sequence[Mesh], looks: list[Choices]
+) -> tuple[list[Choices], Predicted | None]:
+    """Return the looks with the accuracy that a budget allows for all objects together."""
+    first, allowed = within_budget(looks[0], JoinedMesh([*meshes]))
+    if allowed is None:
+        return looks, None
+    return [look.replace(accuracy=first.accuracy, budget=None) for look in looks], allowed
 
 
 def _mesh(shape: object, look: Choices) -> Mesh:

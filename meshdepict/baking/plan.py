@@ -10,31 +10,25 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from meshdepict.baking import costs
 from meshdepict.baking.choices import Choices
+from meshdepict.baking.machine import speed
 from meshdepict.baking.pixel_widths import measured
+from meshdepict.options import options_of
 from meshdepict.scales.ladder import check_ladder, checked_scale, ladder
 from meshdepict.scales.reads import Reads
+from meshdepict.scene.environment import Environment
 from meshdepict.shapes.gbuffer import GBuffer
 from meshdepict.shapes.height_field import HeightField
 from meshdepict.shapes.lengths import resolve_width
 from meshdepict.shapes.mesh import Mesh
 from meshdepict.shapes.volume import Volume
+from meshdepict.threads import thread_count
 
 __all__ = ["Plan", "Step", "plan"]
 
 Widths = NDArray[np.float64]
 SetSeconds = Callable[[int], float]
-
-# Core-seconds of a sample, measured on golf balls, phantoms and their pictures; rays of each ray.
-_SEEN_SECONDS = 0.4e-6
-_RAY_SECONDS = 0.22e-6
-_COLOR_SECONDS = 0.4e-6
-_CURVATURE_SECONDS = {"mesh": 0.25e-6, "volume": 0.5e-6, "image": 0.2e-6, "height field": 0.07e-6}
-# A set of normals: of a volume or a raster, whatever its width, and of an image for each tap of its
-# kernels.
-_VOXEL_SECONDS = 0.19e-6
-_CELL_SECONDS = 0.03e-6
-_TAP_SECONDS = 0.9e-9
 
 # Bytes of a sample: a set of normals, curvatures with their directions, colours with what they were
 # before; and of a mesh's vertex, and of a cell, in sums of normals at the widest.
@@ -47,6 +41,7 @@ _CELL_BYTES = 32
 
 _MEAN_ERROR = 1e-3
 _AGAIN = 1.25  # first passes and, on scans, what is summed again with more accuracy
+_RAYS_CROWD, _BENDS_CROWD = 0.16, 0.45  # see `crowded`
 
 
 class Step(NamedTuple):
@@ -60,12 +55,15 @@ class Step(NamedTuple):
         Of one core.
     size : float
         Bytes that stay.
+    shared : bool
+        Whether all cores do it.
     """
 
     what: str
     where: str
     seconds: float
     size: float
+    shared: bool = False
 
 
 @dataclass(frozen=True)
@@ -97,6 +95,12 @@ class Plan:
         return sum(step.seconds for step in self.steps)
 
     @property
+    def clock(self) -> float:
+        """Seconds by the clock, on as many cores as there are."""
+        cores = thread_count()
+        return sum(step.seconds / (cores if step.shared else 1) for step in self.steps)
+
+    @property
     def size(self) -> float:
         """Bytes at most, beside the shape itself."""
         return sum(step.size for step in self.steps) + self.working
@@ -105,10 +109,9 @@ class Plan:
 def plan(shape: Mesh | HeightField | GBuffer | Volume, look: Choices) -> Plan:
     """Return what a bake of a shape computes.
 
-    Seconds are those of the costs by which sums choose their way, and right within a factor of two
-    or so; how many samples will be summed again is not known before. Not in them is what compiled
-    kernels take to load, a tenth of a second each, and what a method does for itself, such as
-    accessibility's search.
+    Seconds are those of `costs`, on a machine as fast as this one (`machine.speed`), and mostly
+    right within 30 %: docs/accuracy.md says where not. How many samples will be summed again is not
+    known before. Not in them is what a method does for itself, such as accessibility's search.
 
     Parameters
     ----------
@@ -137,7 +140,8 @@ def plan(shape: Mesh | HeightField | GBuffer | Volume, look: Choices) -> Plan:
     sets = sorted(reads.sets - {0})
     if climbs and sets:
         sets = list(range(1, sets[-1] + 1))
-    steps = tuple(_steps(shape, look, reads, sets, widths, count, seconds))
+    found = _steps(shape, look, reads, sets, widths, count, seconds)
+    steps = tuple(step._replace(seconds=step.seconds / speed()) for step in found)
     smoothing = bool(sets or reads.means)
     return Plan(reads, tuple(sets), widths, steps, working * count if smoothing else 0.0)
 
@@ -152,26 +156,56 @@ def _steps(
     seconds: SetSeconds,
 ) -> Iterator[Step]:
     samples = f"{count:,} samples"
-    yield Step("own normals", samples, 0.0, _SET_BYTES * count)
+    yield Step("own normals", samples, _own(shape, count), _SET_BYTES * count)
     for scale in sets:
         where = f"scale {scale}, width {widths[scale]:.4g}"
         if scale not in reads.sets:
             where += ", on the way"
-        yield Step("normals", where, seconds(scale), _SET_BYTES * count)
+        yield Step("normals", where, seconds(scale), _SET_BYTES * count, shared=True)
     # An image's view curvature needs none of its own, unless a smoothed normal faces away.
     own = reads.curvature - reads.seen if shape.kind == "image" else reads.curvature | reads.seen
     for scale in sorted(own):
-        each = _CURVATURE_SECONDS[shape.kind]
+        crowd = costs.crowded(count, _BENDS_CROWD) if shape.kind == "mesh" else 1.0
+        each = costs.CURVATURE_SECONDS[shape.kind] * crowd
         yield Step("curvature", f"scale {scale}", each * count, _CURVATURE_BYTES * count)
     for scale in sorted(reads.seen):
         where = f"scale {scale}, as the eye sees it"
-        yield Step("curvature", where, _SEEN_SECONDS * count, _SEEN_BYTES * count)
+        yield Step("curvature", where, costs.SEEN_SECONDS * count, _SEEN_BYTES * count)
     for scale in sorted(reads.means):
-        yield Step("mean", f"width {widths[scale]:.4g}", _mean(shape, widths, scale, count), 0.0)
+        mean = _mean(shape, widths, scale, count)
+        yield Step("mean", f"width {widths[scale]:.4g}", mean, 0.0, shared=True)
     if reads.rays:
-        each = _RAY_SECONDS * reads.rays
-        yield Step("rays", f"{reads.rays} of each sample", each * count, 0.0)
-    yield Step("colours", samples, _COLOR_SECONDS * count, _COLOR_BYTES * count)
+        crowd = costs.crowded(count, _RAYS_CROWD) if shape.kind == "mesh" else 1.0
+        each = costs.RAY_SECONDS * reads.rays * crowd
+        yield Step("rays", f"{reads.rays} of each sample", each * count, 0.0, shared=True)
+    if any(value is None for value in look.fitted.values()) and sets:
+        typical = costs.TYPICAL_SECONDS * count if shape.kind == "height field" else 0.0
+        yield Step("tones", "that follow the shape", costs.TONES_SECONDS + typical, 0.0)
+    if reads.seen or reads.curvature:
+        yield Step("shading", samples, costs.SHADING_SECONDS * count, 0.0, shared=True)
+    if lights := _panorama_lights(look):
+        each = costs.LIGHT_SECONDS * lights * max(len(sets), 1)
+        yield Step("lights", f"{lights} of an environment", each * count, 0.0, shared=True)
+    yield Step("colours", samples, costs.COLOR_SECONDS[shape.kind] * count, _COLOR_BYTES * count)
+
+
+def _own(shape: Mesh | HeightField | GBuffer | Volume, count: int) -> float:
+    """Return the seconds of a shape's own normals: none where a mesh has them already."""
+    if isinstance(shape, Mesh) and {"normals", "areas"} <= vars(shape).keys():
+        return 0.0
+    grid = costs.GRID_SECONDS * shape.values.size if isinstance(shape, Volume) else 0.0
+    return costs.OWN_SECONDS[shape.kind] * count + grid
+
+
+def _panorama_lights(look: Choices) -> int:
+    """Return how many lights an environment becomes; 0 where there is none."""
+    light, known = look.lit_by, options_of(look.function)
+    panorama = isinstance(light, Environment) or (
+        isinstance(light, str) and light.lower().endswith(".hdr")
+    )
+    if not panorama or "lights" not in known:
+        return 0
+    return int(look.options.get("lights", known["lights"].default))
 
 
 def _of_kind(
@@ -185,9 +219,11 @@ def _of_kind(
 
         def of_mesh(scale: int) -> float:
             width = max(float(widths[scale]) / (shape.diagonal or 1.0), 1e-18)
-            return _AGAIN * predicted_seconds(
+            found = predicted_seconds(
                 shape.unit_points, width, channels=channels, error=look.tolerance / 4
             )
+            edges = float(widths[scale]) / (shape.edge_length or 1.0)
+            return _AGAIN * found * costs.sums_share(len(shape.vertices), edges)
 
         return len(shape.vertices), of_mesh, _SUM_BYTES
     if isinstance(shape, Volume):
@@ -196,15 +232,15 @@ def _of_kind(
 
         shown = shaded_voxels(shape, None, for_volume(look.transfer, shape))
         count = int(np.count_nonzero(shown))
-        return count, lambda scale: _VOXEL_SECONDS * count, shape.values.nbytes / max(count, 1)
+        return count, lambda scale: costs.VOXEL_SECONDS * count, shape.values.nbytes / max(count, 1)
     if isinstance(shape, HeightField):
-        return shape.count, lambda scale: _CELL_SECONDS * shape.z.size, _CELL_BYTES
+        return shape.count, lambda scale: costs.CELL_SECONDS * shape.z.size, _CELL_BYTES
     from meshdepict.scales.bilateral import tap_counts
 
     height, width = shape.cropped(np.ones(len(shape.normals), np.float32)).shape
     taps = tap_counts(widths / shape.edge_length, within=max(height, width))
     pixels = height * width
-    return len(shape.normals), lambda scale: _TAP_SECONDS * taps[scale - 1] * pixels, 64.0
+    return len(shape.normals), lambda scale: costs.TAP_SECONDS * taps[scale - 1] * pixels, 64.0
 
 
 def _mean(
@@ -217,8 +253,8 @@ def _mean(
         width = max(float(widths[scale]) / (shape.diagonal or 1.0), 1e-18)
         return predicted_seconds(shape.unit_points, width, channels=2, error=_MEAN_ERROR)
     if isinstance(shape, HeightField):
-        return 2 * _CELL_SECONDS * shape.z.size
+        return 2 * costs.CELL_SECONDS * shape.z.size
     if isinstance(shape, Volume):
-        return 2 * _VOXEL_SECONDS * count
+        return 2 * costs.VOXEL_SECONDS * count
     taps = 8 * math.ceil(float(widths[scale]) / shape.edge_length) + 1
-    return 4 * _TAP_SECONDS * taps * count
+    return 4 * costs.TAP_SECONDS * taps * count

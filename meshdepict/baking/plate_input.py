@@ -58,6 +58,8 @@ def plate_looks(
         raise MeshdepictError("a plate needs a method: exaggerated, or another name")
     if chosen.get("refine") is not None:
         raise MeshdepictError("refine makes other meshes: leave it out of a plate")
+    if chosen.get("budget") is not None:
+        raise MeshdepictError("budget is for bakes, and a plate has many: choose an accuracy")
     looks = []
     for method in wanted:
         function = find_method(method)

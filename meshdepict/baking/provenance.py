@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
+from meshdepict.baking.accuracy import NORMAL
 from meshdepict.baking.layer_list import Layer, blend_text
 from meshdepict.files.mark import MARK, VERSION
 from meshdepict.options import as_text, options_of
@@ -17,7 +18,7 @@ if TYPE_CHECKING:
     from meshdepict.scales.space import ScaleSpace
     from meshdepict.shapes.mesh import Mesh
 
-__all__ = ["comment_lines", "describe", "fitted_text", "was_baked"]
+__all__ = ["comment_lines", "describe", "fitted_text", "sampled_text", "was_baked"]
 
 
 def describe(look: Choices, space: ScaleSpace, *, light: Lighting) -> dict[str, str]:
@@ -43,6 +44,7 @@ def describe(look: Choices, space: ScaleSpace, *, light: Lighting) -> dict[str, 
             f"{name}={as_text(value)}" for name, value in values.items() if value is not None
         ),
         "scales": _scales(space),
+        **({} if look.accuracy == NORMAL else {"accuracy": look.accuracy}),
         **({"occlusion": "; ".join(occlusion)} if occlusion else {}),
         **_sampled_light(look, space),
         **_sharp(space.shape),
@@ -81,6 +83,14 @@ def fitted_text(look: Choices) -> str:
     return ", ".join(texts)
 
 
+def sampled_text(provenance: Mapping[str, str]) -> str:
+    """Return how sure light is that was sampled by rays, in a few words; "" where none was."""
+    if found := provenance.get("rays auto"):
+        return f"rays auto: {found}"
+    error = provenance.get("light error")
+    return "" if error is None else f"light off by {error} (rms)"
+
+
 def comment_lines(provenance: Mapping[str, str]) -> list[str]:
     """Return provenance as lines for a file's header, in ASCII.
 
@@ -92,7 +102,7 @@ def comment_lines(provenance: Mapping[str, str]) -> list[str]:
 
 def was_baked(mesh: Mesh) -> bool:
     """Whether a mesh's red, green and blue are those of a former bake."""
-    return isinstance(mesh.document, Document) and bool(mesh.document.provenance)
+    return isinstance(mesh.document, Document) and mesh.document.is_recolored
 
 
 def _beside(space: ScaleSpace) -> dict[str, str]:

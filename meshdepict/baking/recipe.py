@@ -11,6 +11,7 @@ from os.path import exists
 from pathlib import Path
 from typing import Any
 
+from meshdepict.baking.accuracy import ADJUSTABLE, NORMAL
 from meshdepict.baking.choice_list import choice_fields
 from meshdepict.baking.choices import Choices
 from meshdepict.baking.recipe_files import located, named_from
@@ -104,8 +105,11 @@ def _finite(text: str) -> float:
 def merge_recipe(recipe: Mapping[str, Any], given: Mapping[str, Any]) -> dict[str, Any]:
     """Return a recipe with what was given in its place; another method drops its options.
 
-    It drops the recipe's blend, too; and another blend drops the recipe's method.
+    It drops the recipe's blend, too; and another blend drops the recipe's method. Another accuracy,
+    or a budget, drops the numbers that the recipe's own accuracy stands for.
     """
+    if given.get("accuracy", given.get("budget")) is not None:
+        recipe = _without_accuracy(recipe)
     dropped = set()
     if given.get("method", recipe["method"]) != recipe["method"]:
         dropped = {"blend"}
@@ -115,6 +119,18 @@ def merge_recipe(recipe: Mapping[str, Any], given: Mapping[str, Any]) -> dict[st
         kept = choice_fields().keys() - dropped
         recipe = {name: value for name, value in recipe.items() if name in kept}
     return {**recipe, **given}
+
+
+def _without_accuracy(recipe: Mapping[str, Any]) -> dict[str, Any]:
+    """Return a recipe without its accuracy and without those numbers that this chose."""
+    kept = {name: value for name, value in recipe.items() if name not in ("accuracy", "budget")}
+    free = {name: value for name, value in kept.items() if name not in ADJUSTABLE}
+    usual = Choices(**free, accuracy=recipe.get("accuracy", NORMAL))
+    known = {name: option.default for name, option in options_of(usual.function).items()}
+    known |= {name: getattr(usual, name) for name in choice_fields()} | dict(usual.options)
+    known["scales"], known["ratio"] = usual.ladder
+    same = {name for name in kept.keys() & {*ADJUSTABLE} if kept[name] == known.get(name)}
+    return {name: value for name, value in kept.items() if name not in same}
 
 
 def save_recipe(
@@ -146,12 +162,16 @@ def save_recipe(
     look = look if isinstance(look, Choices) else Choices(**look)
     declared = look.declared
     fields = {name: getattr(look, name) for name in choice_fields()}
+    if look.budget is not None:  # which chooses them anew for each shape
+        free = fields.keys() & {*ADJUSTABLE} - look.words().keys()
+        fields.update(dict.fromkeys(free))
     if look.blend is not None:  # scales, ratio and light are as each layer declares
         fields["blend"] = _layers(look)
     else:
-        if look.scales is None or declared.scales == 0:
-            fields["scales"] = declared.scales
-        fields["ratio"] = look.ratio or declared.ratio
+        if look.budget is None or not {"scales", "ratio"}.isdisjoint(look.words()):
+            if look.scales is None or declared.scales == 0:
+                fields["scales"] = declared.scales
+            fields["ratio"] = look.ratio or declared.ratio
         fields["light"] = look.lit_by
     if isinstance(look.light, Light):
         fields["light"] = _light(look.light)
@@ -166,6 +186,8 @@ def save_recipe(
         fields["transfer"] = look.transfer.name
     options = {name: option.default for name, option in options_of(look.function).items()}
     options |= look.options
+    if look.budget is not None:
+        options.update(dict.fromkeys(options.keys() & {*ADJUSTABLE} - look.words().keys()))
     options = named_from(options, look.function, path)
     fields = named_from(fields, look.function, path)
     lines = [f"{_MARK}, written by version {VERSION}", *_lines(fields)]
@@ -188,7 +210,7 @@ def _layers(look: Choices) -> list[dict[str, Any]]:
     """Return the layers of a blend as tables, today's defaults included."""
     return [
         layer.recorded(
-            look.options if layer.function is look.function else {},
+            look.of_layer(layer).options,
             declaration(layer.function).light if look.light is None else None,
         )
         for layer in look.layers

@@ -10,6 +10,7 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from meshdepict.baking.budget import Predicted, within_budget
 from meshdepict.baking.choice_list import HEIGHTS
 from meshdepict.baking.choices import Choices
 from meshdepict.baking.layers import Layered
@@ -35,6 +36,7 @@ __all__ = ["HeightWindows", "Relief", "Shaded"]
 
 Floats = NDArray[np.float64]
 
+_PATCH = 64  # cells along the sides of what stands for all of it in predictions
 _CELLS = 1 << 22  # that are read at once where all heights are looked at
 
 
@@ -81,6 +83,8 @@ class Relief:
     ----------
     terrain : HeightWindows or HeightField
     look : Choices
+    spent : float
+        Seconds of the look's budget that are gone already.
     memory : float, optional
         Bytes that a window may take; half of the machine's memory unless given, or as
         `files.limits.set_max_memory` was told.
@@ -102,12 +106,18 @@ class Relief:
     """
 
     def __init__(
-        self, terrain: HeightWindows | HeightField, look: Choices, *, memory: float | None = None
+        self,
+        terrain: HeightWindows | HeightField,
+        look: Choices,
+        *,
+        memory: float | None = None,
+        spent: float = 0.0,
     ) -> None:
         self._given: Any = terrain
         self._terrain = _InMemory(terrain) if isinstance(terrain, HeightField) else terrain
         self._memory = max_memory() if memory is None else memory
         self.extent = self._extent(look)
+        look, allowed = self._within(look, spent)
         chosen, look = look, look.of_kind(HEIGHTS)
         if look.refine is not None or look.albedo == "keep":
             word = "refine" if look.refine is not None else "albedo"
@@ -136,6 +146,8 @@ class Relief:
         self.provenance = describe(self.look, typical, light=self._light)
         if found is not None:
             self.provenance["rays auto"] = str(found)
+        if allowed is not None:
+            self.provenance["budget"] = str(allowed)
         if look.z_factor != 1:
             self.provenance["z factor"] = f"{look.z_factor:g}"
         self.kind, self.bands = self._looks()
@@ -200,6 +212,15 @@ class Relief:
                 shown = part.colors[..., 0] if kind == "gray" else part.colors
                 out.write(part.rows, part.columns, part.values if values else shown, part.valid)
         return Path(path)
+
+    def _within(self, look: Choices, spent: float) -> tuple[Choices, Predicted | None]:
+        """Return a look that its budget allows: predicted by a level patch, for all cells."""
+        if look.budget is None:
+            return look, None
+        level = np.zeros((_PATCH, _PATCH), np.float32)
+        patch = window_of(self.extent, 0, 0, level, np.ones(level.shape, bool))
+        cells = self._terrain.rows * self._terrain.cols
+        return within_budget(look, patch, spent=spent, writes=True, cells=cells)
 
     def _find_rays(self) -> FoundRays | None:
         """Find how many rays it takes, if that is asked: what has rays is one window."""

@@ -14,6 +14,7 @@ from meshdepict.baking.choices import Choices
 from meshdepict.baking.layers import Layered
 from meshdepict.baking.tinting import tinted
 from meshdepict.color import colormaps2d
+from meshdepict.scales.light_errors import FoundRays
 from meshdepict.scales.reads import Reads
 from meshdepict.scales.space import ScaleSpace
 from meshdepict.scene.names import Lighting, as_light
@@ -63,6 +64,31 @@ class SampleShading:
         if self.layered is not None:
             return replace(self, look=self.look.replace(blend=self.layered.settle(spaces).blend))
         return replace(self, look=self.look.settled(spaces[self.look.ladder]))
+
+    def sampled(
+        self, spaces: Mapping[Ladder, ScaleSpace]
+    ) -> tuple[SampleShading, FoundRays | None]:
+        """Find how many rays "auto" comes to, and how sure light by rays is.
+
+        The spaces' ``light_errors`` say the latter afterwards.
+
+        Returns
+        -------
+        SampleShading
+            With numbers for "auto".
+        FoundRays or None
+            What it came to, where a method without layers was asked.
+        """
+        if self.layered is not None:
+            look = self.look.replace(blend=self.layered.find_rays(spaces, self.eye).blend)
+            return replace(self, look=look), None
+        space = spaces[self.look.ladder]
+        look = self.look.with_rays(space, self.light, self.eye)
+        if look is not self.look:
+            return replace(self, look=look), space.light_errors.found
+        if any(look.options.get(name) for name in ("shadows", "bounces")):
+            self.values(spaces)
+        return self, None
 
     def values(self, spaces: Mapping[Ladder, ScaleSpace]) -> NDArray[np.float32]:
         """Return what the method makes of some samples, (n,) or (n, 3) in [0, 1]."""

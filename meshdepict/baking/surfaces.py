@@ -5,7 +5,7 @@ from __future__ import annotations
 import copy
 import functools
 import os
-import warnings
+import time
 from typing import Any
 
 import numpy as np
@@ -13,13 +13,15 @@ from numpy.typing import NDArray
 
 from meshdepict import color
 from meshdepict.baking.baked import Baked
+from meshdepict.baking.budget import within_budget
 from meshdepict.baking.choice_list import LADDER, choice_fields
 from meshdepict.baking.choices import Choices
 from meshdepict.baking.chosen_normals import refuse_other_sides, sides_of, with_chosen_normals
 from meshdepict.baking.clipping import warn_of_clipping
 from meshdepict.baking.discs import warn_of_disc
 from meshdepict.baking.layers import shade_layers
-from meshdepict.baking.provenance import describe, was_baked
+from meshdepict.baking.own_colors import own_colors, surface_tints
+from meshdepict.baking.provenance import describe
 from meshdepict.baking.sampling import Place, sampled
 from meshdepict.baking.sheets import warn_of_backs
 from meshdepict.baking.tinting import heights_of, tinted
@@ -28,15 +30,13 @@ from meshdepict.errors import MeshdepictError
 from meshdepict.scales.ladder import Progress
 from meshdepict.scales.space import ScaleSpace
 from meshdepict.scene.names import Lighting, as_light
-from meshdepict.shapes.colors import vertex_colors
 from meshdepict.shapes.gbuffer import GBuffer
 from meshdepict.shapes.ground_plane import GroundPlane
 from meshdepict.shapes.height_field import HeightField
 from meshdepict.shapes.mesh import Mesh
 
 __all__ = [
-    "as_mesh", "as_solid", "as_surface", "bake_surface", "own_colors", "refuse_other_scales",
-    "surface_tints", "with_choices",
+    "as_mesh", "as_solid", "as_surface", "bake_surface", "refuse_other_scales", "with_choices",
 ]  # fmt: skip
 
 
@@ -75,9 +75,11 @@ def _bake_surface(
     told: list[ScaleSpace],
 ) -> Baked:
     """Do what `bake_surface` does; ``told`` are those that know whom to tell how far they are."""
+    begun = time.perf_counter()
     made = isinstance(shape, ScaleSpace)
     mesh = as_surface(shape.shape if made else shape)  # type: ignore[attr-defined]
     kind = mesh.kind
+    look, allowed = within_budget(look, mesh, spent=time.perf_counter() - begun)
     chosen, look = look, look.of_kind(kind)
     scales, ratio = look.ladder
     if not made:
@@ -168,6 +170,8 @@ def _bake_surface(
     if own is not None:
         colors = color.multiply_albedo(colors / np.float32(255), own, linear=False)
     provenance = describe(look, space, light=lamp)
+    if allowed is not None:
+        provenance["budget"] = str(allowed)
     if found is not None:
         provenance["rays auto"] = str(found)
     if look.refine is not None and isinstance(mesh, Mesh):
@@ -202,6 +206,10 @@ def as_solid(shape: object, *, winding: str = "auto") -> Mesh | HeightField:
         return shape
     if isinstance(shape, (str, os.PathLike)):
         from meshdepict.io import read_mesh
+        from meshdepict.io.source import begins_as_ply
+
+        if begins_as_ply(shape):  # the usual case: no reader of anything else is loaded
+            return read_mesh(shape, winding=winding)
         from meshdepict.io.heightfields import is_heightfield_path, read_heightfield
 
         if is_heightfield_path(shape):
@@ -265,76 +273,11 @@ def _refuse_volume(path: str | os.PathLike[str]) -> None:
         )
 
 
-def own_colors(shape: Mesh | GBuffer | HeightField) -> NDArray[np.uint8]:
-    """Return a mesh's own vertex colours, or an image's own, or those of the mesh that it shows."""
-    if isinstance(shape, Mesh):
-        return _mesh_colors(shape)
-    if isinstance(shape, HeightField):
-        raise MeshdepictError("albedo='keep' needs colours of its own, and a height field has none")
-    if shape.colors is not None:
-        return shape.colors
-    if shape.mesh is None:
-        raise MeshdepictError(
-            "albedo='keep' needs the image's own colours: give them as from_images(colors=…)"
-        )
-    linear = color.srgb_to_linear(_mesh_colors(shape.mesh) / np.float32(255))
-    return color.encode(shape.sample(linear), linear=True)
-
-
-def surface_tints(
-    shape: Mesh | GBuffer | HeightField, own: NDArray[np.uint8]
-) -> NDArray[np.float32] | None:
-    """Return the own colours (v, 3) of the vertices that light bounces from, in linear light.
-
-    Of a mesh they are those of its samples. None of an image of something that has none.
-    """
-    found: NDArray[np.uint8] | None = own
-    if isinstance(shape, GBuffer):
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # about colours of faces: said where they are shown
-            mesh = shape.mesh
-            try:
-                found = None if mesh is None else _mesh_colors(mesh)
-            except MeshdepictError:
-                found = None
-    if found is None:
-        return None
-    return np.asarray(color.srgb_to_linear(found / np.float32(255)), np.float32)
-
-
-def _mesh_colors(mesh: Mesh) -> NDArray[np.uint8]:
-    """Return the mesh's own colours at its vertices: theirs, else its textures', else its faces'.
-
-    Those that a former bake set aside come first. In glTF a texture is multiplied by the vertices'.
-    """
-    from meshdepict.shapes.texture_colors import texture_colors
-
-    baked = was_baked(mesh)
-    found = vertex_colors(mesh, baked=baked, faces=False)
-    tinted = found is not None and mesh.textures is not None and mesh.textures.tinted
-    if found is None or tinted:
-        try:
-            painted = texture_colors(mesh)
-        except MeshdepictError as error:
-            raise MeshdepictError(f"albedo='keep' needs what can't be had: {error}") from error
-        if painted is not None and found is not None:
-            return color.multiply_albedo(painted / np.float32(255), found, linear=False)
-        found = painted if found is None else found
-    if found is None:
-        found = vertex_colors(mesh, baked=baked)
-    if found is None:
-        lacks = str(getattr(mesh.document, "lacks", ""))
-        lacks = f", and its file {lacks}" if lacks else ""
-        raise MeshdepictError(
-            "albedo='keep' needs the object's own vertex colours (red, green, blue) or a texture; "
-            "the mesh has " + ("only those of a former bake" if baked else "none") + lacks
-        )
-    return found
-
-
 def refuse_other_scales(space: ScaleSpace, chosen: Choices) -> None:
     """Refuse to ask a finished scale space for what it wasn't made with."""
     for name in LADDER:
+        if name in chosen.taken:
+            continue  # nobody asked for it by name
         value = getattr(chosen, name)
         if value not in (choice_fields()[name].default, getattr(space, name, None)):
             raise MeshdepictError(

@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 
 from meshdepict import color
 from meshdepict.baking.choice_list import MESH
+from meshdepict.baking.own_colors import own_colors
 from meshdepict.baking.provenance import was_baked
 from meshdepict.baking.sample_shading import SampleShading
-from meshdepict.baking.surfaces import own_colors
 from meshdepict.baking.texel_sampling import Ladder, Places
 from meshdepict.baking.tinting import heights_of
 from meshdepict.errors import MeshdepictError

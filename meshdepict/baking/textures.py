@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 import warnings
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
@@ -9,15 +10,17 @@ from typing import TYPE_CHECKING, Any
 
 from meshdepict.baking.atlases import Atlas, atlas_of
 from meshdepict.baking.baked_texture import BakedTexture
-from meshdepict.baking.choice_list import LADDER, MESH, SIDES
+from meshdepict.baking.budget import within_budget
+from meshdepict.baking.choice_list import LADDER, MESH, SIDES, choice_fields
 from meshdepict.baking.choices import Choices, takes_choices
 from meshdepict.baking.clipping import warn_of_clipping
 from meshdepict.baking.layers import Layered
 from meshdepict.baking.look import Look
+from meshdepict.baking.own_colors import own_colors, surface_tints
 from meshdepict.baking.provenance import describe
 from meshdepict.baking.sample_shading import SampleShading
 from meshdepict.baking.sheets import warn_of_backs
-from meshdepict.baking.surfaces import as_mesh, own_colors, surface_tints, with_choices
+from meshdepict.baking.surfaces import as_mesh, bake_surface, with_choices
 from meshdepict.baking.texel_painting import normal_painter, own_texel_colors, shading_painter
 from meshdepict.baking.texel_sampling import Ladder, TexelSampling, usable_normal_maps
 from meshdepict.baking.texture_choices import MAPS, MOST_TEXELS, SIZE
@@ -30,7 +33,9 @@ from meshdepict.scales.mapped_normals import TangentFrames
 from meshdepict.scene.environment import Environment
 
 if TYPE_CHECKING:
+    from meshdepict.baking.baked import Baked
     from meshdepict.scales.ladder import Progress
+    from meshdepict.scales.light_errors import FoundRays
     from meshdepict.scales.space import ScaleSpace
     from meshdepict.shapes.mesh import Mesh
     from meshdepict.shapes.textures import Textures
@@ -159,9 +164,11 @@ def texture_of(
     map_kind: str = "color",
     detail: object = None,
     cage: float | str | None = None,
+    spent: float = 0.0,
     progress: Progress | None = None,
 ) -> BakedTexture:
-    """Shade a mesh's texture by a look; see `bake_texture`."""
+    """Shade a mesh's texture by a look; see `bake_texture`. Seconds may be ``spent`` already."""
+    begun = time.perf_counter()
     look = checked_look(look, map_kind)
     count = real(size)
     if count is None or not count.is_integer() or not 16 <= count <= MOST_TEXELS:
@@ -183,14 +190,21 @@ def texture_of(
     if cage is not None and detail is None:
         raise MeshdepictError("cage says how far away detail may be: give detail, too, or none")
     mesh = as_mesh(shape)
+    spent += time.perf_counter() - begun
+    whole = mesh if detail is None else as_mesh(detail)
+    look, allowed = within_budget(look, whole, spent=spent, writes=True, texels=size * size)
     found = atlas_of(mesh, size, atlas)
-    given = mesh.textures
+    given = mesh
     if found.kind != "own":
         with warnings.catch_warnings():  # coordinates that were lost are replaced
             warnings.filterwarnings("ignore", "texture coordinates are lost")
             mesh = mesh.as_triangles()
-    texture = _Texture(mesh, found, map_kind, look)
-    return texture.shaded(texture.sampling(given, detail, cage, progress), look, progress)
+    texture = _Texture(mesh, given, found, map_kind, look)
+    sampling = texture.sampling(given.textures, None if detail is None else whole, cage, progress)
+    baked = texture.shaded(sampling, look, progress)
+    if allowed is not None:
+        baked.provenance["budget"] = str(allowed)
+    return baked
 
 
 @dataclass(frozen=True, eq=False)
@@ -200,6 +214,8 @@ class _Texture:
     Attributes
     ----------
     mesh : Mesh
+    given : Mesh
+        As it came: with polygons, maybe.
     atlas : Atlas
     map_kind : str
         One of `MAPS`.
@@ -208,6 +224,7 @@ class _Texture:
     """
 
     mesh: Mesh
+    given: Mesh
     atlas: Atlas
     map_kind: str
     chosen: Choices
@@ -269,15 +286,17 @@ class _Texture:
         """Shade the texels as a look says that reads the same scale spaces."""
         spaces = sampling.spaces
         first = next(iter(spaces.values()))
-        shading = self._shading(chosen, first.surface)
+        shading, found = self._shading(chosen, first.surface), None
         if self.map_kind == "normal":
             frames = TangentFrames(self.mesh, self.mesh.normals, self.atlas.texcoords)
             paint = normal_painter(frames)
         else:
-            shading = self._settled(shading, sampling)
+            shading, found = self._settled(shading, sampling)
             paint = shading_painter(shading, spaces, sampling.albedo)
         image = sampling.image(paint, progress=progress)
         provenance = describe(shading.look, max(spaces.items())[1], light=shading.light)
+        if found is not None:
+            provenance["rays auto"] = str(found)
         provenance["texture"] = f"{self.map_kind}, {sampling.described}"
 
         def again(**changes: Any) -> BakedTexture:
@@ -286,8 +305,19 @@ class _Texture:
 
         return BakedTexture(
             self.mesh, self.atlas, image, provenance, shading.look.replace(light=shading.light),
-            map_kind=self.map_kind, again=again,
+            shading.eye, again=again, map_kind=self.map_kind, given=self.given,
+            at_vertices=lambda: self._at_vertices(sampling, shading, chosen),
         )  # fmt: skip
+
+    def _at_vertices(
+        self, sampling: TexelSampling, shading: SampleShading, chosen: Choices
+    ) -> Baked:
+        """Shade the mesh's vertices by a look, of the scale space that texels are samples of."""
+        if sampling.finer is not None or shading.layered is not None:
+            return bake_surface(self.mesh, chosen)
+        look = chosen.replace(light=shading.light, view=shading.eye)
+        usual = {name: choice_fields()[name].default for name in (*LADDER, *SIDES)}
+        return bake_surface(sampling.spaces[shading.look.ladder], look.replace(**usual))
 
     def _shading(self, chosen: Choices, shape: Mesh) -> SampleShading:
         look = chosen.of_kind(MESH).posed(shape)
@@ -297,12 +327,17 @@ class _Texture:
             layered = Layered(chosen.replace(view=look.view, up=look.up), MESH)
         return SampleShading(look, look.lighting(eye, MESH), eye, layered)
 
-    def _settled(self, shading: SampleShading, sampling: TexelSampling) -> SampleShading:
-        """Find what follows the shape; say what is too bright."""
+    def _settled(
+        self, shading: SampleShading, sampling: TexelSampling
+    ) -> tuple[SampleShading, FoundRays | None]:
+        """Find what follows the shape, and how many rays are enough; say what is too bright."""
         spaces = sampling.spaces
         for ladder, space in spaces.items():
             _prepare(space, shading.reads(ladder, space.last), None)
-        shading = shading.settled(sampling.spread())
+        spread = sampling.spread()
+        shading, found = shading.settled(spread).sampled(spread)
+        for ladder, space in spaces.items():  # what provenance tells of
+            space.light_errors.update(spread[ladder].light_errors)
         look = shading.look
         if look.tint is not None:
             look, _ = tinted(look, heights_of(next(iter(spaces.values())), look.axis(MESH)))
@@ -312,7 +347,7 @@ class _Texture:
             warn_of_clipping(
                 look, light, shading.values(spaces), lambda other: other.shade(space, light, eye)
             )
-        return shading
+        return shading, found
 
 
 def _refuse_new_samples(changes: Mapping[str, Any]) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import time
 from collections.abc import Iterator
 from functools import cached_property
 from pathlib import Path
@@ -12,14 +13,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshdepict.baking.baked import Depiction
+from meshdepict.baking.budget import within_budget
 from meshdepict.baking.choices import Choices
 from meshdepict.baking.surfaces import refuse_other_scales
 from meshdepict.baking.voxel_shading import VoxelShading, voxel_shading
 from meshdepict.errors import MeshdepictError
 from meshdepict.options import real
-from meshdepict.scales.grid_making import MEMORY, sample_bytes, space_of_mask
+from meshdepict.scales.grid_making import sample_bytes, space_of_mask
 from meshdepict.scales.grid_scales import GridSpace
-from meshdepict.scales.ladder import Progress
+from meshdepict.scales.ladder import MEMORY, Progress
 from meshdepict.shapes.height_grids import is_layer
 from meshdepict.voxels.grid_samples import shaded_voxels
 from meshdepict.voxels.grid_sums import Piece
@@ -139,7 +141,26 @@ def bake_grid(
     """
     if not (real(memory) or 0) > 0:
         raise MeshdepictError(f"memory={memory!r} is not a number of bytes above 0")
+    begun = time.perf_counter()
     space = volume if isinstance(volume, GridSpace) else None
+    allowed = None
+    if look.budget is not None:
+        volume = as_volume(volume) if space is None else volume
+        shape: Any = volume if space is None else space.shape
+        look, allowed = within_budget(look, shape, spent=time.perf_counter() - begun)
+    baked = _bake_grid(volume, look, space, memory, progress)
+    if allowed is not None:
+        baked.provenance["budget"] = str(allowed)
+    return baked
+
+
+def _bake_grid(
+    volume: Any,
+    look: Choices,
+    space: GridSpace | None,
+    memory: float,
+    progress: Progress | None,
+) -> BakedVolume:
     chosen, look = look, look.of_kind("volume")
     if space is not None:
         refuse_other_scales(space, chosen)

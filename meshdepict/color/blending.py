@@ -26,6 +26,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from meshdepict.color.spans import reach
 from meshdepict.color.srgb import linear_to_srgb, srgb_to_linear
 from meshdepict.errors import MeshdepictError
 from meshdepict.options import nearest, real
@@ -120,7 +121,7 @@ def stretched(values: ArrayLike, low: float, high: float) -> Singles:
         For ends that are no numbers, or the same.
     """
     low, high = checked_stretch((low, high))
-    shares = (np.asarray(values, np.float64) - low) / (high - low)
+    shares = (np.asarray(values, np.float64) - low) / reach(low, high)
     return _values(shares)
 
 

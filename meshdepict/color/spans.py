@@ -1,13 +1,17 @@
-"""Spans of values in words: ``0.7..1``, ``-50..3000``."""
+"""Spans of values: in words, ``0.7..1``, ``-50..3000``, and how far they reach."""
 
 from __future__ import annotations
+
+import math
 
 from meshdepict.errors import MeshdepictError
 from meshdepict.options import real
 
-__all__ = ["SEPARATOR", "parsed_span", "span_text"]
+__all__ = ["SEPARATOR", "parsed_span", "reach", "span_text"]
 
 SEPARATOR = ".."
+
+_LEAST = 1e-30
 
 
 def parsed_span(text: str) -> tuple[float, float]:
@@ -34,3 +38,8 @@ def parsed_span(text: str) -> tuple[float, float]:
 def span_text(span: tuple[float, float]) -> str:
     """Return what `parsed_span` takes back, to the last digit."""
     return SEPARATOR.join(repr(float(end)).removesuffix(".0") for end in span)
+
+
+def reach(low: float, high: float) -> float:
+    """Return high − low, never so little that shares of it overflow: then it is a step."""
+    return math.copysign(max(abs(high - low), _LEAST), high - low)

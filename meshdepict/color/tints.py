@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from meshdepict.color.colormaps import table_of
-from meshdepict.color.spans import parsed_span, span_text
+from meshdepict.color.spans import parsed_span, reach, span_text
 from meshdepict.color.srgb import quantise
 from meshdepict.errors import MeshdepictError
 from meshdepict.options import nearest, real
@@ -109,8 +109,8 @@ def tint_colors(
     table = tint_table(name)
     heights = np.asarray(heights, np.float64)
     low, high = (heights.min(), heights.max()) if span is None else span
-    reach = high - low
-    shares = (heights - low) / reach if reach else np.full(len(heights), 0.5)
+    apart = high - low if span is None else reach(low, high)
+    shares = (heights - low) / apart if apart else np.full(len(heights), 0.5)
     return np.take(table, quantise(shares), axis=0)
 
 

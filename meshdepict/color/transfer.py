@@ -210,6 +210,9 @@ def landmarks(volume: Measured) -> tuple[float, float]:
     Taken from every k-th voxel along each axis, about a million in all.
     """
     sample = np.sort(_sampled(volume), axis=None).astype(np.float64)
+    # Times a power of two, which changes no digit: squares then neither overflow nor vanish.
+    scale = math.frexp(max(-sample[0], sample[-1]))[1]
+    sample = np.ldexp(sample, -scale)
     cumulated = np.cumsum(sample)
     below = np.arange(1, len(sample))
     above = len(sample) - below
@@ -217,4 +220,5 @@ def landmarks(volume: Measured) -> tuple[float, float]:
     between = below * above * (high - low) ** 2.0  # Otsu 1979: the variance between two classes
     between[sample[1:] == sample[:-1]] = -1  # equal values stay together
     cut = int(between.argmax()) + 1
-    return float(np.median(sample[:cut])), float(np.median(sample[cut:]))
+    air, material = (float(np.median(part)) for part in (sample[:cut], sample[cut:]))
+    return math.ldexp(air, scale), math.ldexp(material, scale)

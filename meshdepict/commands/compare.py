@@ -32,6 +32,7 @@ _KINDS = {"-o": ".png", "--csv": ".csv", "--html": ".html"}
         "refine",
         "albedo",
         "two_sided",
+        "budget",
     ),
     options=False,
 )
@@ -91,13 +92,13 @@ def compare(
     winding
         auto: turn faces that look inwards before shading; keep: believe the file.
     """
+    from meshdepict import samples
     from meshdepict.baking.batch import stem
     from meshdepict.baking.surfaces import as_solid
     from meshdepict.baking.targets import check_target, identities
     from meshdepict.congruence import comparison
     from meshdepict.congruence import report as comparison_report
     from meshdepict.drawing.figure import Figure
-    from meshdepict.shapes import samples
 
     everywhere.obey()
     quiet = everywhere.quiet

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 __all__ = ["info"]
 
 
-_ABOUT = {*LADDER, "transfer"}  # of a look: what decides what is computed
+_ABOUT = {*LADDER, "transfer", "accuracy", "budget"}  # of a look: what decides what is computed
 
 
 @takes_words(without=[name for name in choice_fields() if name not in _ABOUT])

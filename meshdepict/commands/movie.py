@@ -23,7 +23,9 @@ from meshdepict.errors import MeshdepictError
 __all__ = ["movie"]
 
 
-@takes_words(without=("colormap2d", "blend", "tint", "albedo", "refine", "transfer", "ground"))
+@takes_words(
+    without=("colormap2d", "blend", "tint", "albedo", "refine", "transfer", "ground", "budget")
+)
 def movie(
     source: Annotated[Path | None, Parameter(name="INPUT")] = None,
     /,
@@ -63,13 +65,13 @@ def movie(
     fps
         Frames per second.
     """
+    from meshdepict import samples
     from meshdepict.baking.batch import stem
     from meshdepict.baking.pixel_widths import measured
     from meshdepict.baking.surfaces import as_solid
     from meshdepict.baking.targets import check_target, identities
     from meshdepict.console import notes, progress_bar, say
     from meshdepict.drawing.movie import check_movie, save_movie
-    from meshdepict.shapes import samples
     from meshdepict.viewer.session import Session, refuse_unshown
 
     start = time.perf_counter()

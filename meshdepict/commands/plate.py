@@ -23,7 +23,7 @@ from meshdepict.console import notes, progress_bar, say
 __all__ = ["plate"]
 
 
-@takes_words(without=("method", "light", "view", "refine", "ground"), options=False)
+@takes_words(without=("method", "light", "view", "refine", "ground", "budget"), options=False)
 def plate(
     *inputs: Annotated[Path, Parameter(name="FILE")],
     output: Annotated[Path | None, Parameter(name=["--output", "-o"], group=FILES)] = None,
@@ -64,11 +64,11 @@ def plate(
     scale
         On paper, 1:2 or 2:1, where the unit is known; unless given, what the page has room for.
     """
+    from meshdepict import samples
     from meshdepict.baking import plates
     from meshdepict.baking.batch import stem
     from meshdepict.baking.targets import check_target, identities
     from meshdepict.drawing.picture_files import check_picture
-    from meshdepict.shapes import samples
 
     everywhere.obey()
     start = time.perf_counter()

@@ -70,7 +70,7 @@ def relief(
     everywhere.obey()
     if not inputs:
         raise MeshdepictError("which elevation model? meshdepict relief DEM.tif")
-    start = time.perf_counter()
+    start, spent = time.perf_counter(), time.process_time()
     wanted = parameters.said_look(look, recipe)
     name = inputs[0].name.removesuffix(inputs[0].suffix)
     if output is None:
@@ -85,7 +85,7 @@ def relief(
         kind = "values" if values else "gray"
         check_relief(output, shape=terrain.shape, kind=kind)
         with progress_bar(name, quiet=everywhere.quiet) as progress:
-            shaded = Relief(terrain, wanted)
+            shaded = Relief(terrain, wanted, spent=spent + time.perf_counter() - start)
             if save_recipe is not None:
                 write_recipe(save_recipe, wanted, force=force)
             shaded.save(output, values=values, progress=progress)
@@ -95,6 +95,7 @@ def relief(
         fitted_text(shaded.look),
         f"{len(widths)} scales, widths {widths[0]:g} to {widths[-1]:g} m" if len(widths) else "",
         f"{terrain.cols:,} x {terrain.rows:,} cells",
+        shaded.provenance.get("budget", ""),
         f"{time.perf_counter() - start:.1f} s",
     ]
     say(f"{output}: {shaded.look.title}, {', '.join(filter(None, facts))}")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 import warnings
 from collections.abc import Iterable
 from pathlib import Path
@@ -13,7 +14,9 @@ from meshdepict.shapes.table import columns
 
 if TYPE_CHECKING:
     from meshdepict.baking.look import Look
+    from meshdepict.shapes.height_field import HeightField
     from meshdepict.shapes.mesh import Mesh
+    from meshdepict.shapes.volume import Volume
 
 __all__ = ["explained", "info", "predicted"]
 
@@ -23,10 +26,8 @@ _START_SECONDS = 0.5
 _VERTEX_SECONDS = 65e-6
 _START_BYTES = 160e6
 _VERTEX_BYTES = 1300
-# Of these, of files alone: reading, own normals, writing; of the voxels of a volume; of cells.
-_FILE_SECONDS = 9e-6
+# Of these, of files alone; and seconds of a cell.
 _FILE_BYTES = 1000
-_VOXEL_FILE_SECONDS = 0.1e-6
 _CELL_FILE_SECONDS = 0.05e-6
 
 
@@ -79,44 +80,60 @@ def _volume_info(path: Path) -> str:
 
 
 def explained(path: Path, look: Look) -> str:
-    """Return what a bake of a file computes, step by step, with its predicted cost."""
-    from meshdepict.baking.plan import plan
+    """Return what a bake of a file computes, step by step, with its predicted cost.
+
+    Reading is not predicted: it has just been done.
+    """
+    from meshdepict.baking import costs
+    from meshdepict.baking.budget import predicted_steps, predicted_time, within_budget
+    from meshdepict.baking.machine import speed
+    from meshdepict.baking.plan import Step, plan
+
+    begun = time.perf_counter()
+    shape, what, size = _read(path)
+    taken = time.perf_counter() - begun
+    program = Step("program", "", costs.PROGRAM_SECONDS / speed(), _START_BYTES)
+    look, allowed = within_budget(look, shape, spent=program.seconds + taken, writes=True)
+    found = plan(shape, look)
+    steps = [
+        program,
+        Step("file", f"read, {what}", taken, size),
+        *predicted_steps(shape, look, writes=True),
+        Step("", "while normals are smoothed", 0.0, found.working),
+    ]
+    cores, work = threads.thread_count(), sum(step.seconds for step in steps)
+    clock, memory = predicted_time(steps), sum(step.size for step in steps)
+    steps.append(Step("together", f"on {cores} cores about {_duration(clock)}", work, memory))
+    rows = [("", "", "seconds of a core", "memory")]
+    rows += [
+        (step.what, step.where, f"{step.seconds:.2f}" if step.seconds else "",
+         _bytes(step.size) if step.size else "")
+        for step in steps
+    ]  # fmt: skip
+    text = f"{look.method} of {path}\n{columns(rows, indent='  ')}"
+    if allowed is not None:
+        text += f"\n  budget: {allowed}"
+    left = [str(scale) for scale in range(1, len(found.widths)) if scale not in found.sets]
+    if left:
+        noun = "scale" if len(left) == 1 else "scales"
+        text += f"\n  left out: normals of {noun} {', '.join(left)}, which nobody reads"
+    return text
+
+
+def _read(path: Path) -> tuple[Mesh | HeightField | Volume, str, float]:
+    """Return what a file holds, how much that is, in words, and its bytes in memory."""
     from meshdepict.io import read_mesh
     from meshdepict.io.heightfields import is_heightfield_path, read_heightfield
     from meshdepict.io.volumes import is_volume_path, read_volume
 
     if is_heightfield_path(path):
         field = read_heightfield(path)
-        found, count, what = plan(field, look), field.count, "cells"
-        seconds, size = _CELL_FILE_SECONDS * field.z.size, float(field.z.nbytes)
-    elif is_volume_path(path):
+        return field, f"{field.count:,} cells", float(field.z.nbytes)
+    if is_volume_path(path):
         volume = read_volume(path)
-        found, count, what = plan(volume, look), volume.n_samples, "voxels"
-        seconds, size = _VOXEL_FILE_SECONDS * count, float(volume.values.nbytes)
-    else:
-        mesh = read_mesh(path)
-        found, count, what = plan(mesh, look), len(mesh.vertices), "vertices"
-        seconds, size = _FILE_SECONDS * count, _FILE_BYTES * count
-    cores = threads.thread_count()
-    work = seconds + found.seconds
-    steps = [
-        ("program", "", _START_SECONDS, _START_BYTES),
-        ("file", f"{count:,} {what}", seconds, size),
-        *found.steps,
-        ("", "while normals are smoothed", 0.0, found.working),
-        (
-            "together", f"on {cores} cores about {_duration(_START_SECONDS + work / cores)}",
-            _START_SECONDS + work, _START_BYTES + size + found.size,
-        ),
-    ]  # fmt: skip
-    rows = [("", "", "seconds of a core", "memory")]
-    rows += [(a, b, f"{s:.2f}" if s else "", _bytes(m) if m else "") for a, b, s, m in steps]
-    text = f"{look.method} of {path}\n{columns(rows, indent='  ')}"
-    left = [str(scale) for scale in range(1, len(found.widths)) if scale not in found.sets]
-    if left:
-        noun = "scale" if len(left) == 1 else "scales"
-        text += f"\n  left out: normals of {noun} {', '.join(left)}, which nobody reads"
-    return text
+        return volume, f"{volume.n_samples:,} voxels", float(volume.values.nbytes)
+    mesh = read_mesh(path)
+    return mesh, f"{len(mesh.vertices):,} vertices", float(_FILE_BYTES * len(mesh.vertices))
 
 
 def predicted(mesh: Mesh) -> tuple[float, float]:

@@ -45,8 +45,9 @@ def texture(
     mesh
         PLY, OBJ, OFF, STL, GLB, glTF or VTP, gzipped or not.
     output
-        The mesh with its texture (.glb, .gltf, .obj, .ply), or the texture alone (.png, .jpg,
-        .webp); <name>-<method>.glb in the current folder unless given.
+        The mesh with its texture (.glb, .gltf, .obj, .ply), the texture alone (.png, .jpg, .webp),
+        or a page that turns, before and after (.html); <name>-<method>.glb in the current folder
+        unless given.
     size
         Texels along the side of the texture, 16 to 16384.
     atlas
@@ -60,7 +61,8 @@ def texture(
     cage
         How far detail may be from the mesh, in its units or 2% of its diagonal. [default: 2%]
     image
-        How the picture in or beside a mesh is packed: png exactly, jpeg and webp smaller.
+        How the picture beside a mesh, or in its file or page, is packed: png exactly, jpeg and
+        webp smaller.
     quality
         Of jpeg and webp, 1 to 100; 90 unless given.
     winding
@@ -73,7 +75,7 @@ def texture(
         Write them to a file, as they were said: up and view that nobody names are each mesh's own.
     """
     from meshdepict.baking.baked_texture import check_packing, check_texture
-    from meshdepict.baking.provenance import fitted_text
+    from meshdepict.baking.provenance import fitted_text, sampled_text
     from meshdepict.baking.recipe import save_recipe as write_recipe
     from meshdepict.baking.targets import check_target, identities
     from meshdepict.baking.textures import map_method, texture_of
@@ -82,7 +84,7 @@ def texture(
     everywhere.obey()
     if mesh is None:
         raise MeshdepictError("which mesh? meshdepict texture MESH.obj")
-    start = time.perf_counter()
+    start, spent = time.perf_counter(), time.process_time()
     chosen: Any = look
     method = map_method(map_kind, chosen.method)
     if map_kind != "color":
@@ -101,9 +103,10 @@ def texture(
         progress_bar(name, quiet=everywhere.quiet) as progress,
     ):
         fine = None if detail is None else read_mesh(detail, winding=winding)
+        shape = read_mesh(mesh, winding=winding)
         baked = texture_of(
-            read_mesh(mesh, winding=winding), wanted, size=size, atlas=atlas, map_kind=map_kind,
-            detail=fine, cage=cage, progress=progress,
+            shape, wanted, size=size, atlas=atlas, map_kind=map_kind, detail=fine, cage=cage,
+            spent=spent + time.perf_counter() - start, progress=progress,
         )  # fmt: skip
         if save_recipe is not None:
             write_recipe(save_recipe, wanted, force=force)
@@ -112,8 +115,10 @@ def texture(
     facts = [
         "" if map_kind != "color" or not wanted.lit else f"light {baked.provenance['light']}",
         fitted_text(baked.look) if map_kind == "color" else "",
+        sampled_text(baked.provenance),
         "" if scales == "0" else _scales(scales),
         f"{size:,} x {size:,} texels",
+        baked.provenance.get("budget", ""),
         f"{time.perf_counter() - start:.1f} s",
     ]
     shown = baked.look.title if map_kind == "color" else f"map of {map_kind}"

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 __all__ = ["view"]
 
 
-@takes_words(without=("colormap2d", "blend", "tint", "albedo", "refine", "ground"))
+@takes_words(without=("colormap2d", "blend", "tint", "albedo", "refine", "ground", "budget"))
 def view(
     input_: Annotated[Path | None, Parameter(name="INPUT")] = None,
     /,
@@ -102,8 +102,8 @@ def view(
 
 def _session(source: Path | None, look: Look, name: str, *, volume: bool, quiet: bool) -> Session:
     """Read and bake, with a progress bar."""
+    from meshdepict import samples
     from meshdepict.baking.surfaces import as_solid
-    from meshdepict.shapes import samples
     from meshdepict.viewer.session import Session
     from meshdepict.viewer.windows.volume_session import VolumeSession
 

@@ -92,11 +92,12 @@ def volume(
     force
         Replace existing files that meshdepict didn't write.
     """
+    from meshdepict.baking.budget import within_budget
     from meshdepict.io.volumes import volume_stem
 
     everywhere.obey()
     quiet = everywhere.quiet
-    start = time.perf_counter()
+    start, spent = time.perf_counter(), time.process_time()
     name = "ct-phantom" if source is None else volume_stem(source)
     page = figure.figure()
     wanted = parameters.said_look(look)
@@ -116,6 +117,10 @@ def volume(
     )
     with notes(source, quiet=quiet), progress_bar(name, quiet=quiet) as progress:
         grid = _read(source, series, slope, intercept, spacing, tilt).cropped(**box)
+        wanted, allowed = within_budget(
+            wanted, grid, spent=spent + time.perf_counter() - start,
+            writes=output is not None, pictured=picture is not None,
+        )  # fmt: skip
         if surface is not None:
             about = _shade_surface(grid, surface, wanted, progress, output, picture, page)
         else:
@@ -123,7 +128,8 @@ def volume(
     written = ", ".join(str(path) for path in filter(None, (output, picture, before, *cuts)))
     seconds = time.perf_counter() - start
     lamp = vars(look)["light"] or wanted.lit_by
-    say(f"{written}: {method}, light {lamp}, {about}, {seconds:.1f} s")
+    told = "" if allowed is None else f"{allowed}, "
+    say(f"{written}: {method}, light {lamp}, {about}, {told}{seconds:.1f} s")
 
 
 def _shade_surface(
@@ -221,7 +227,7 @@ def _read(
     tilt: str,
 ) -> Volume:
     from meshdepict.io.volumes import read_volume
-    from meshdepict.shapes.phantom import ct_phantom
+    from meshdepict.samples.phantom import ct_phantom
 
     if source is None:
         return ct_phantom((128, 128, 128))

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshdepict import color
+from meshdepict.baking.accuracy import NORMAL
 from meshdepict.baking.choice_list import HEIGHTS, IMAGE, SIDES
 from meshdepict.baking.look import Look
 from meshdepict.baking.surfaces import as_solid, with_choices
@@ -21,7 +22,7 @@ from meshdepict.congruence.judging import Judge, ShapeFlow, check_flow, picture
 from meshdepict.congruence.lights import light_directions
 from meshdepict.errors import MeshdepictError
 from meshdepict.options import as_text, check, options_of
-from meshdepict.scales.ladder import FACING, TOLERANCE, Progress
+from meshdepict.scales.ladder import FACING, Progress
 from meshdepict.scales.making import scale_space
 from meshdepict.scales.reads import Reads
 from meshdepict.scene.light import Light
@@ -72,6 +73,12 @@ class Comparison:
     view: View
     settings: dict[str, Any]
     seconds: float
+
+    def __repr__(self) -> str:
+        """Return the methods with their mean scores, the best first."""
+        ranked = sorted(zip(self.methods, self.means, strict=True), key=lambda pair: -pair[1])
+        listed = ", ".join(f"{name} {mean:.3f}" for name, mean in ranked)
+        return f"<Comparison under {len(self.lights)} lights: {listed}>"
 
     @property
     def means(self) -> NDArray[np.float64]:
@@ -126,7 +133,8 @@ def compare(
     width: float | str | None = None,
     ratio: float = 1.7,
     facing: int = FACING,
-    tolerance: float = TOLERANCE,
+    tolerance: float | None = None,
+    accuracy: str = NORMAL,
     creases: float | None = None,
     normals: str = "computed",
     z_factor: float = 1.0,
@@ -162,7 +170,10 @@ def compare(
         What the shape's flow is read from: the depth, as in the paper, or the original normals, by
         how they tilt; see `congruence.score`.
     scales, width, ratio, facing, tolerance
-        Of the scale space; see `scale_space`.
+        Of the scale space; see `scale_space`. Scales and ratio are the comparison's own, whatever
+        the accuracy.
+    accuracy
+        As for `bake`.
     creases, normals, z_factor
         As for `bake`.
     background : three of 0 … 255
@@ -183,11 +194,20 @@ def compare(
         raise MeshdepictError(f"scored={scored!r} is none of {', '.join(typing.get_args(Scored))}")
     check_flow(flow)
     functions = _by_name(usual_methods() if methods is None else methods)
-    seen = Look(view=view, up=up, creases=creases, normals=normals, z_factor=z_factor)
+    seen = Look(
+        view=view, up=up, creases=creases, normals=normals, z_factor=z_factor,
+        accuracy=accuracy,
+    )  # fmt: skip
+    if tolerance is not None:
+        seen = seen.replace(tolerance=tolerance)
     solid = as_solid(shape)
     seen.of_kind(solid.kind)  # refuses what is about other kinds
     mesh = with_choices(solid, seen)
     chosen = _options(functions, options or {}, IMAGE if per_pixel else mesh.kind)
+    chosen = tuple(
+        dict(Look(function, accuracy=accuracy, **given).options)
+        for function, given in zip(functions.values(), chosen, strict=True)
+    )
     seen = seen.posed(mesh)
     made = {name: value for name, value in seen.words().items() if name in (*SIDES, "z_factor")}
     view = seen.view
@@ -199,7 +219,8 @@ def compare(
         raise MeshdepictError("compare needs at least one light")
     steps = len(functions) * len(lamps)
     smoothing: dict[str, Any] = {
-        "scales": scales, "width": width, "ratio": ratio, "facing": facing, "tolerance": tolerance,
+        "scales": scales, "width": width, "ratio": ratio, "facing": facing,
+        "tolerance": seen.tolerance,
     }  # fmt: skip
     half = (lambda done, total: progress(done / total * steps, 2 * steps)) if progress else None
     space = scale_space(buffer if per_pixel else mesh, **smoothing, view=eye, at_once=())

@@ -93,7 +93,7 @@ def score(
 
     Notes
     -----
-    Score = Σ e_c (1 − clamp(e_c − e_s)) |v_c·v_s| / Σ e_c (eq. 2), with v the main direction and e
+    ``Σ e_c (1 − clamp(e_c − e_s)) |v_c·v_s| / Σ e_c`` (eq. 2), with v the main direction and e
     the energy of the structure tensors (gradients at 1 pixel, averaged at 5) of depth (c) and
     shading (s). e_c is divided by its 99th percentile and cut at 1, e_s divided by that of the
     reference. Summed are the pixels whose window, 18 pixels to each side, holds nothing but object

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from meshdepict.errors import MeshdepictError
+from meshdepict.files.any_numbers import any_numbers, real_array
 from meshdepict.options import nearest
 
 if TYPE_CHECKING:
@@ -26,7 +27,7 @@ class PrincipalCurvatures(NamedTuple):
     Attributes
     ----------
     k1, k2 : (n,) array of float64
-        |k1| ≥ |k2|; on a sphere of radius r with outward normals both are +1/r.
+        ``|k1| ≥ |k2|``; on a sphere of radius r with outward normals both are +1/r.
     d1, d2 : (n, 3) array of float32
         Unit vectors in the tangent plane; d1, d2 and the normal are right-handed. A direction
         has no sense: d1 and −d1 say the same. Where d1 is not determined (see `anisotropy`) the
@@ -94,7 +95,7 @@ def principal_curvatures(
     ------
     MeshdepictError
         For an unknown method, an argument that the method has no use for, a radius that is no
-        length, and normals of the wrong shape or not of unit length.
+        length or holds too many vertices, and normals of the wrong shape or not of unit length.
     """
     if method not in ESTIMATORS:
         raise MeshdepictError(
@@ -135,15 +136,15 @@ def _from_normals(mesh: Mesh, normals: ArrayLike | None) -> PrincipalCurvatures:
 
 
 def _checked_normals(normals: ArrayLike, count: int) -> NDArray[np.float64]:
-    try:
-        array = np.array(normals, dtype=np.float64, order="C")
-    except (TypeError, ValueError):
-        raise MeshdepictError("normals must be an (n, 3) array of numbers") from None
+    array = real_array(normals)
+    if array is None:
+        raise MeshdepictError("normals must be an (n, 3) array of numbers")
     if array.shape != (count, 3):
         raise MeshdepictError(
             f"normals have shape {array.shape}; the mesh's {count:,} vertices want ({count}, 3)"
         )
-    squared = np.einsum("ij,ij->i", array, array)
+    with any_numbers():
+        squared = np.einsum("ij,ij->i", array, array)
     bad = ~(np.abs(squared - 1) < 2 * _UNIT)  # also refuses NaN
     if bad.any():
         first = int(np.argmax(bad))

@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 from meshdepict.curvature.frames import tangents
 from meshdepict.curvature.tensor import tangent, tensor_curvatures
 from meshdepict.curvature.welded import Welded
+from meshdepict.errors import MeshdepictError
 from meshdepict.threads import each, kernel, spans, thread_count
 
 if TYPE_CHECKING:
@@ -34,6 +35,8 @@ Floats = NDArray[np.float64]
 _DEFAULT_EDGES = 5.0  # libigl's default radius, in median edges here
 _UNKNOWNS = 5
 _ALL = 2.0  # a radius beyond the whole mesh, whose diagonal is one
+_PROBED = 64  # vertices that tell how many lie within the radius of all
+_MOST = 5e9  # vertices looked at in all: about a minute's work
 _SINGULAR = 1e-12  # a pivot below this share of what it was: the points don't tell five unknowns
 
 
@@ -51,6 +54,11 @@ def quadric_curvatures(
     mesh : Mesh
     radius : float or str, optional
         In world units, or "0.2%" of the diagonal; five median edges unless given.
+
+    Raises
+    ------
+    MeshdepictError
+        For a radius that is no length, and one within which too many vertices lie.
     """
     from meshdepict.shapes.lengths import resolve_width
 
@@ -79,6 +87,13 @@ def _fitted(surface: Welded, normals: Floats, radius: float) -> tuple[Floats, Fl
     # The faces at vertex v are those of corners[start[v] : start[v + 1]].
     corners = np.argsort(faces.ravel(), kind="stable")
     start = np.concatenate(([0], np.cumsum(np.bincount(faces.ravel(), minlength=count))))
+    some = np.arange(0, count, -(-count // _PROBED))
+    mean = _mean_count(surface.points, faces, corners, start, radius, some)
+    if mean * count > _MOST:
+        raise MeshdepictError(
+            f"a quadric through {mean:,.0f} vertices, as many as lie within the radius, at each of "
+            f"{count:,} would take too long: take a smaller radius, or method='tensor'"
+        )
     k, directions = np.full((2, count), np.nan), np.zeros((count, 3))
 
     def work(begin: int, end: int) -> None:
@@ -86,6 +101,17 @@ def _fitted(surface: Welded, normals: Floats, radius: float) -> tuple[Floats, Fl
 
     each(work, spans(count, 4 * thread_count() if count > 2_000 else 1))
     return k, directions
+
+
+@kernel()
+def _mean_count(points, faces, corners, start, radius, some):  # type: ignore[no-untyped-def]
+    """Return how many vertices lie within the radius of some of them, on the average."""
+    seen = np.full(len(points), -1)
+    ball = np.empty(len(points), np.int64)
+    total = 0.0
+    for i in range(len(some)):
+        total += _gather(points, faces, corners, start, some[i], radius, i, seen, ball)
+    return total / len(some)
 
 
 @kernel()

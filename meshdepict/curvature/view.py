@@ -40,7 +40,7 @@ class ViewCurvature(NamedTuple):
     Attributes
     ----------
     ku, kv : (n,) array of float64
-        Eigenvalues of H, |ku| ≥ |kv|, not blended by the weight. A bump towards the eye has
+        Eigenvalues of H, ``|ku| ≥ |kv|``, not blended by the weight. A bump towards the eye has
         negative ones.
     u, v : (n, 3) array of float32
         Their directions, unit vectors in world space, perpendicular to the line of sight z:

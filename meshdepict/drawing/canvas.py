@@ -4,15 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
 from meshdepict.drawing.display import check_opengl
+from meshdepict.drawing.textured import add_appearance, is_textured
 
 if TYPE_CHECKING:
-    from meshdepict.drawing.painted import Painted
+    from meshdepict.drawing.painted import Painted, TexturedMesh
     from meshdepict.drawing.plotter import Camera, Plotter
     from meshdepict.scene.shape import Shape
     from meshdepict.scene.view import View
@@ -20,6 +21,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "Canvas",
+    "add_drawn",
     "add_painted",
     "canvas",
     "off_screen",
@@ -40,14 +42,14 @@ _SIDE = 16384
 class Canvas:
     """An off-screen window with one shape in it; see `canvas`."""
 
-    def __init__(self, baked: Painted, window: Plotter, finer: int) -> None:
+    def __init__(self, baked: Painted | TexturedMesh, window: Plotter, finer: int) -> None:
         self.shape = baked.shape
         self._window, self._finer = window, finer
-        self._poly = unit_polydata(baked)
-        add_painted(window, self._poly)
+        self._poly = None if is_textured(baked) else unit_polydata(cast("Painted", baked))
+        add_drawn(window, baked, poly=self._poly)
 
     def draw(self, view: View, colors: Bytes | None = None) -> Bytes:
-        """Draw the shape, with other colours where given.
+        """Draw the shape, with other colours where given, but not of a texture.
 
         Returns
         -------
@@ -57,6 +59,7 @@ class Canvas:
         from PIL import Image
 
         if colors is not None:
+            assert self._poly is not None
             self._poly.point_data["RGB"][:] = colors
             self._poly.point_data["RGB"].VTKObject.Modified()
             self._poly.Modified()
@@ -69,12 +72,14 @@ class Canvas:
 
 
 @contextmanager
-def canvas(baked: Painted, size: tuple[int, int], *, samples: int = 3) -> Iterator[Canvas]:
+def canvas(
+    baked: Painted | TexturedMesh, size: tuple[int, int], *, samples: int = 3
+) -> Iterator[Canvas]:
     """Give a canvas for a bake, and close it.
 
     Parameters
     ----------
-    baked : Painted
+    baked : Painted or TexturedMesh
     size : (int, int)
         Width and height in pixels.
     samples : int
@@ -114,6 +119,26 @@ def add_painted(window: Plotter, poly: PolyData, **looks: Any) -> None:
     """Add a ``pyvista.PolyData`` to a plotter, its "RGB" just as it is unless told otherwise."""
     usual = {"scalars": "RGB", "rgb": True, "lighting": False, "show_scalar_bar": False}
     window.add_mesh(poly, **usual | looks)
+
+
+def add_drawn(
+    window: Plotter, baked: Painted | TexturedMesh, *, poly: PolyData | None = None, **looks: Any
+) -> None:
+    """Add a bake to a plotter, in its own diagonals about the origin, colours just as they are.
+
+    Parameters
+    ----------
+    window : pyvista.Plotter
+    baked : Painted or TexturedMesh
+    poly : pyvista.PolyData, optional
+        The `unit_polydata` of the former where it is at hand.
+    **looks
+        For ``add_mesh``.
+    """
+    if is_textured(baked):
+        add_appearance(window, baked.appearance, **looks)
+    else:
+        add_painted(window, poly or unit_polydata(cast("Painted", baked)), **looks)
 
 
 def on_ground(premultiplied: Bytes, ground: tuple[int, int, int] | None) -> Bytes:

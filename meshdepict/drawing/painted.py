@@ -14,12 +14,13 @@ from meshdepict.scene.view import View
 if TYPE_CHECKING:
     from meshdepict.color.transfer_function import TransferFunction
     from meshdepict.scales.grid_scales import GridSpace
+    from meshdepict.shapes.appearance import Appearance
     from meshdepict.shapes.gbuffer import GBuffer
     from meshdepict.shapes.height_field import HeightField
     from meshdepict.shapes.mesh import Mesh
     from meshdepict.voxels.grid import Grid
 
-__all__ = ["Depicted", "Painted", "PaintedVolume", "Turnable"]
+__all__ = ["Depicted", "Painted", "PaintedVolume", "TexturedMesh", "Turnable"]
 
 
 class Depicted(Protocol):
@@ -63,6 +64,18 @@ class Painted(Depicted, Protocol):
     @property
     def colors(self) -> NDArray[np.uint8]:
         """(n, 3) sRGB."""
+
+
+class TexturedMesh(Depicted, Protocol):
+    """A mesh with its shading in a texture; see `BakedTexture`."""
+
+    @property
+    def shape(self) -> Mesh:
+        """What is shaded."""
+
+    @property
+    def appearance(self) -> Appearance:
+        """The texture on the mesh."""
 
 
 class PaintedVolume(Depicted, Protocol):

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
-from meshdepict.drawing.canvas import add_painted, canvas, on_ground, place, unit_polydata
+from meshdepict.drawing.canvas import add_drawn, canvas, on_ground, place
 from meshdepict.drawing.figure import Figure
 from meshdepict.drawing.framing import Framing, caption_lines, frame
 from meshdepict.drawing.letters import LEADING
@@ -18,12 +19,13 @@ from meshdepict.drawing.map_picture import cell_pixels, draw_cells, draw_map, is
 from meshdepict.drawing.page import Page, Part, Picture, Words, paint
 from meshdepict.drawing.picture_files import check_picture, write_page
 from meshdepict.drawing.scale_bar import BAR_SHARE, bar_parts
+from meshdepict.drawing.textured import is_textured
 from meshdepict.shapes.gbuffer import GBuffer
 
 if TYPE_CHECKING:
     from PIL.Image import Image
 
-    from meshdepict.drawing.painted import Depicted, Painted
+    from meshdepict.drawing.painted import Depicted, Painted, TexturedMesh
     from meshdepict.drawing.plotter import Plotter
     from meshdepict.scene.view import View
 
@@ -40,9 +42,9 @@ __all__ = [
 ]
 
 
-def plot(baked: Painted, **plotter: Any) -> Plotter:
+def plot(baked: Painted | TexturedMesh, **plotter: Any) -> Plotter:
     """Return a ``pyvista.Plotter`` that shows the bake; keywords go to the plotter."""
-    return plot_with(lambda window: add_painted(window, unit_polydata(baked)), baked, **plotter)
+    return plot_with(partial(add_drawn, baked=baked), baked, **plotter)
 
 
 def plot_with(add: Callable[[Plotter], object], baked: Depicted, **plotter: Any) -> Plotter:
@@ -82,19 +84,23 @@ def save_picture(
     return write_page(draw_page(baked, figure), path, baked.provenance)
 
 
-def draw_page(baked: Painted, figure: Figure) -> Page:
+def draw_page(baked: Painted | TexturedMesh, figure: Figure) -> Page:
     """Return the page that `save_picture` writes."""
     unit = getattr(baked.shape, "length_unit", "")
     figure = figure.on(baked.ground).captioned(baked.provenance, unit)
     side = cell_pixels(baked.shape, baked.view, figure)
     if side:
-        return _pixel_page(draw_cells(baked, side), figure)
+        return _pixel_page(draw_cells(cast("Painted", baked), side), figure)
     framing = frame(baked.view, baked.shape, figure)
     return laid_out(drawn(baked, framing.view, framing.drawn), framing, figure)
 
 
-def drawn(baked: Painted, view: View, size: tuple[int, int]) -> NDArray[np.uint8]:
+def drawn(baked: Painted | TexturedMesh, view: View, size: tuple[int, int]) -> NDArray[np.uint8]:
     """Draw a bake once, in a view and a size: colour times coverage, and coverage."""
+    if is_textured(baked):
+        with canvas(baked, size) as drawing:
+            return drawing.draw(view)
+    baked = cast("Painted", baked)
     if is_map(baked.shape, view):
         return draw_map(baked, view, size)
     coverage = getattr(baked.shape, "coverage", None)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
-from meshdepict.drawing.canvas import add_painted, only_errors, unit_polydata
+from meshdepict.drawing.canvas import add_drawn, only_errors
 from meshdepict.drawing.display import check_display
 from meshdepict.drawing.picture import plot_with
 from meshdepict.drawing.volume_picture import plot_volume
@@ -16,7 +16,7 @@ from meshdepict.errors import MeshdepictError
 from meshdepict.options import nearest
 
 if TYPE_CHECKING:
-    from meshdepict.drawing.painted import Depicted, Painted, PaintedVolume
+    from meshdepict.drawing.painted import Depicted, Painted, PaintedVolume, TexturedMesh
     from meshdepict.scene.shape import Shape
 
 __all__ = ["plot_and_show"]
@@ -64,8 +64,8 @@ def plot_and_show(baked: Depicted, **words: Any) -> Any:
         if baked.shape.kind == "volume":
             window: Any = plot_volume(cast("PaintedVolume", baked), **window_words)
         else:
-            poly = unit_polydata(cast("Painted", baked))
-            window = plot_with(partial(add_painted, poly=poly, **words), baked, **window_words)
+            add = partial(add_drawn, baked=cast("Painted | TexturedMesh", baked), **words)
+            window = plot_with(add, baked, **window_words)
         if not (window.off_screen or window.notebook):
             check_display()
         _set_scene(window, baked.shape, **scene)

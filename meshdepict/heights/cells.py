@@ -14,7 +14,10 @@ from numpy.typing import ArrayLike, NDArray
 from meshdepict.errors import MeshdepictError
 from meshdepict.scene.vectors import numbers_of
 
-__all__ = ["METRES_PER_DEGREE", "Transform", "checked_transform", "metric_steps", "place_of"]
+__all__ = [
+    "METRES_PER_DEGREE", "Transform", "check_heights", "checked_transform", "metric_steps",
+    "place_of",
+]  # fmt: skip
 
 Floats = NDArray[np.float64]
 Transform = tuple[float, float, float, float, float, float]
@@ -22,6 +25,9 @@ Transform = tuple[float, float, float, float, float, float]
 METRES_PER_DEGREE = 111_320.0
 """Of latitude, and of longitude at the equator."""
 
+_SHORTEST, _LONGEST = 1e-12, 1e12  # metres from cell to cell: a nanometre and a world lie within
+_FARTHEST = 1e15  # distances of cells: so far away double precision knows few places within one
+_HIGHEST = 1e32  # metres, and Laplacian of heights per metre: a number in single precision
 _SHEAR = 1e-3  # of the product of the two steps: rounded numbers of a rotation have less
 
 
@@ -72,8 +78,19 @@ def metric_steps(transform: Transform, rows: int, *, degrees: bool, unit: float)
     (rows or 1, 2, 2) array
         ``[r, axis, step]``: axis 0 east and 1 north, step 0 along a row and 1 down a column.
     """
-    a, b, _, d, e, f = transform
+    a, b, c, d, e, f = transform
     step = np.array([[[a, b], [d, e]]])
+    shortest, longest = _distances(transform, degrees=degrees, unit=unit)
+    if not _SHORTEST <= shortest <= longest <= _LONGEST:
+        raise MeshdepictError(
+            f"cells of {longest:g} x {shortest:g} m are not between {_SHORTEST:g} and "
+            f"{_LONGEST:g} m: is their unit right?"
+        )
+    if max(abs(c), abs(f)) > _FARTHEST * min(math.hypot(a, d), math.hypot(b, e)):
+        raise MeshdepictError(
+            f"the raster begins at ({c:g}, {f:g}), so far away that its cells can't be told "
+            "apart: move it nearer to the origin"
+        )
     if not degrees:
         return step * unit
     if b or d:
@@ -91,6 +108,33 @@ def metric_steps(transform: Transform, rows: int, *, degrees: bool, unit: float)
     least = math.cos(math.radians(max(0.0, 90 - abs(e) / 4)))
     steps[:, 0] *= np.maximum(np.cos(np.radians(latitude)), least)[:, None]
     return steps
+
+
+def check_heights(
+    z: NDArray[np.floating], transform: Transform, *, degrees: bool, unit: float
+) -> None:
+    """Refuse heights (rows, columns) too great to compute with: mostly numbers that stand for none.
+
+    Raises
+    ------
+    MeshdepictError
+        For heights beyond 1e32 metres, on cells shorter than a metre times its square.
+    """
+    shortest, _ = _distances(transform, degrees=degrees, unit=unit)
+    low, high = float(z.min()), float(z.max())
+    if max(-low, high) > _HIGHEST * min(shortest, 1.0) ** 2:
+        raise MeshdepictError(
+            f"heights reach from {low:g} to {high:g} m on cells of {shortest:g} m: mark the cells "
+            "that hold none (valid=, NaN, nodata in the file), or check the unit"
+        )
+
+
+def _distances(transform: Transform, *, degrees: bool, unit: float) -> tuple[float, float]:
+    """Return the shorter and the longer distance of cells in metres, at the equator."""
+    a, b, _, d, e, _ = transform
+    metres = METRES_PER_DEGREE if degrees else unit
+    across, down = math.hypot(a, d) * metres, math.hypot(b, e) * metres
+    return min(across, down), max(across, down)
 
 
 def place_of(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import struct
 import zlib
 from typing import Any
@@ -21,6 +22,7 @@ _NAMES = {
 }  # fmt: skip
 _LETTERS = {1: "B", 3: "H", 4: "I", 16: "Q"}
 _NONE, _DEFLATE = 1, (8, 32946)
+_LZW, _PACKBITS = 5, 32773
 _MOST_ENTRIES = 4096
 
 
@@ -30,8 +32,8 @@ def deep_tiff(data: bytes) -> NDArray[np.uint16] | None:
     Raises
     ------
     MeshdepictError
-        For one that is cut off or damaged, and for packing other than deflate: a clause whose
-        subject is the picture.
+        For one that is cut off or damaged, and for packing other than deflate, LZW and PackBits: a
+        clause whose subject is the picture.
     """
     order = {b"II*\0": "<", b"MM\0*": ">"}.get(data[:4])
     if order is None:
@@ -42,7 +44,7 @@ def deep_tiff(data: bytes) -> NDArray[np.uint16] | None:
         if set(bits) != {16} or samples < 3 or tags.get("format", [1])[0] != 1:
             return None
         return _pixels(data, order, tags, samples)
-    except (struct.error, zlib.error, LookupError, ValueError) as error:
+    except (struct.error, zlib.error, LookupError, OSError, ValueError) as error:
         raise MeshdepictError(f"can't be read as a picture ({error})") from None
 
 
@@ -70,9 +72,10 @@ def _pixels(
 ) -> NDArray[np.uint16]:
     width, height = tags["width"][0], tags["height"][0]
     compression, predictor = tags.get("compression", [1])[0], tags.get("predictor", [1])[0]
-    if compression != _NONE and compression not in _DEFLATE:
+    if compression not in (_NONE, *_DEFLATE, _LZW, _PACKBITS):
         raise MeshdepictError(
-            "is a TIFF of 16 bits a channel that is packed otherwise than with deflate: save it so"
+            "is a TIFF of 16 bits a channel that is packed otherwise than with deflate, LZW or "
+            "PackBits: save it so"
         )
     if tags.get("planes", [1])[0] != 1 or predictor not in (1, 2):
         raise MeshdepictError("is a TIFF whose channels are apart: save them together")
@@ -94,8 +97,10 @@ def _pixels(
             break
         size = 2 * samples * across * rows
         raw = data[offset : offset + length]
-        if compression != _NONE:
+        if compression in _DEFLATE:
             raw = zlib.decompressobj().decompress(raw, size)
+        elif compression != _NONE:
+            raw = _unpacked(raw, compression, 2 * samples * across, rows)
         if len(raw) < size:
             raise ValueError("it is cut off")
         piece = np.frombuffer(raw[:size], f"{order}u2").reshape(rows, across, samples)
@@ -105,3 +110,21 @@ def _pixels(
         part: Any = found[row : row + rows, column : column + across]
         part[...] = piece[: part.shape[0], : part.shape[1]]
     return found[..., :4]
+
+
+def _unpacked(packed: bytes, compression: int, across: int, rows: int) -> bytes:
+    """Return a piece's bytes: packing knows of no channels, so Pillow reads them as a grey picture.
+
+    That is how many bytes a row has, and how many rows there are.
+    """
+    from PIL import Image
+
+    tags = {
+        256: across, 257: rows, 258: 8, 259: compression, 262: 1, 273: 0, 277: 1, 278: rows,
+        279: len(packed),
+    }  # fmt: skip
+    tags[273] = 8 + 2 + 12 * len(tags) + 4
+    entries = b"".join(struct.pack("<HHII", tag, 4, 1, value) for tag, value in tags.items())
+    head = b"II*\0" + struct.pack("<IH", 8, len(tags)) + entries + b"\0" * 4
+    with Image.open(io.BytesIO(head + packed)) as image:
+        return image.tobytes()

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from meshdepict.errors import MeshdepictError, MeshdepictWarning
-from meshdepict.files.any_numbers import quiet
+from meshdepict.files.any_numbers import any_numbers, quiet, real_array
 from meshdepict.files.pictures import mapped_array, opened_picture
 from meshdepict.files.reach import regular
 
@@ -131,8 +131,8 @@ def surface_images(
     vectors = _signed(array[..., :3])
     if green == "down":
         vectors[..., 1] *= -1
-    length = np.linalg.norm(vectors, axis=2)
-    with np.errstate(invalid="ignore"):
+    with any_numbers():  # what is too long to have a length says nothing
+        length = np.linalg.norm(vectors, axis=2)
         there = np.isfinite(length) & (length >= _NONE)
     if array.dtype.kind == "u":
         there &= array[..., :3].any(axis=2)
@@ -269,7 +269,10 @@ def _array(given: Picture, what: str) -> NDArray[Any]:
         raise MeshdepictError(f"{what}: rows of different lengths make no image") from None
     if array.dtype.kind not in "buif":
         raise MeshdepictError(f"{what}: real numbers are needed, not {array.dtype}")
-    return array
+    # No further than in double precision, and without what a mask hides.
+    whole = array.dtype.itemsize <= 8 and not np.ma.is_masked(given)
+    found = None if whole else real_array(given)  # type: ignore[arg-type]
+    return array if found is None else found
 
 
 def _plane(given: Picture, what: str, size: tuple[int, ...]) -> NDArray[Any]:

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from meshdepict.errors import MeshdepictError
+from meshdepict.files.any_numbers import real_array
 from meshdepict.images.pixels import depth_ratio, depth_steps, pixel_sizes, positions
 from meshdepict.scene.vectors import frozen
 
@@ -22,6 +23,8 @@ __all__ = ["PixelSamples", "check_size", "finite"]
 Floats = NDArray[np.float64]
 
 _MOST = 16_384  # pixels across
+_LARGEST = 1e150  # of depths, as of coordinates: beyond it squares overflow
+_DEEPEST = 1e30  # pixels: in single precision a number whose differences are, too
 
 
 class PixelSamples:
@@ -55,6 +58,24 @@ class PixelSamples:
                 f"{int((self.depths <= 0).sum()):,} depths are not positive, so behind the eye of "
                 "a perspective view: give distances from the eye, or a parallel view"
             )
+        self._check_reach()
+
+    def _check_reach(self) -> None:
+        """Refuse depths that leave no room for computing, in the world or in pixels."""
+        low, high = float(self.depths.min()), float(self.depths.max())
+        nearest = 1 / _LARGEST if self.view.parallel_scale is None else -_LARGEST
+        if not nearest <= low <= high <= _LARGEST:
+            raise MeshdepictError(
+                f"depths from {low:g} to {high:g} leave no room for computing: they may be "
+                f"{nearest:g} to {_LARGEST:g}"
+            )
+        if self.view.parallel_scale is not None:
+            pixel = 2 * self.view.parallel_scale / self.size[1]
+            if high - low > _DEEPEST * pixel:
+                raise MeshdepictError(
+                    f"depths from {low:g} to {high:g} are more than {_DEEPEST:g} pixels of "
+                    f"{pixel:g} apart: leave out of the mask what shows no surface"
+                )
 
     @cached_property
     def points(self) -> Floats:
@@ -156,10 +177,9 @@ def check_size(size: Any) -> tuple[int, int]:
 
 def finite(values: ArrayLike, shape: tuple[int, ...], what: str) -> Floats:
     """Return a read-only copy of numbers, one or several per pixel, or raise `MeshdepictError`."""
-    try:
-        array = np.array(values, np.float64)
-    except (TypeError, ValueError, OverflowError):
-        raise MeshdepictError(f"{what} must be real numbers, one or several per pixel") from None
+    array = real_array(values)
+    if array is None:
+        raise MeshdepictError(f"{what} must be real numbers, one or several per pixel")
     if array.shape != shape:
         raise MeshdepictError(
             f"{what} have the shape {array.shape}; the mask has {shape[0]} pixels"

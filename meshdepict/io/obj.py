@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     from meshdepict.shapes.mesh import Mesh
     from meshdepict.shapes.textures import Textures
 
-__all__ = ["ObjDocument", "decode", "encode", "provenance"]
+__all__ = ["ObjDocument", "decode", "encode", "provenance", "vertex_rows", "without_provenance"]
 
 _COMMENT = f"# {MARK}".encode()
 # Rounded up: some programs cut off what is behind the point when they make bytes of them again.
@@ -190,17 +190,20 @@ def encode(file: BinaryIO, mesh: Mesh, saving: Saving) -> None:
         if saving.companions is not None and b"mtllib" in data:
             data = with_companions(data, document.folder, saving.companions)
         if saving.comments or saving.colors is not None:
-            data = _without_provenance(data)
+            data = without_provenance(data)
         _write_comments(file, saving)
         file.write(data if saving.colors is None else _edited(data, saving.colors))
         return
     _write_comments(file, saving)
-    if colors is None:
-        file.write(text.rows("v %r %r %r\n", *mesh.vertices.T))
-    else:
-        channels = map(_fractions, colors.T)
-        file.write(text.rows("v %r %r %r %s %s %s\n", *mesh.vertices.T, *channels))
+    file.write(vertex_rows(mesh.vertices, colors))
     file.write(text.rows("f %s\n", text.corners(polygons, first=1)))
+
+
+def vertex_rows(vertices: NDArray[np.float64], colors: NDArray[np.uint8] | None) -> bytes:
+    """Return the lines of vertices (n, 3), with colours (n, 3) or without."""
+    if colors is None:
+        return text.rows("v %r %r %r\n", *vertices.T)
+    return text.rows("v %r %r %r %s %s %s\n", *vertices.T, *map(_fractions, colors.T))
 
 
 def _fractions(channel: NDArray[np.uint8]) -> list[str]:
@@ -211,7 +214,8 @@ def _write_comments(file: BinaryIO, saving: Saving) -> None:
     file.writelines(f"# {line}\n".encode() for line in saving.comments)
 
 
-def _without_provenance(data: bytes) -> bytes:
+def without_provenance(data: bytes) -> bytes:
+    """Return a file without the comments that this program wrote at the top."""
     while data.startswith(_COMMENT):
         data = data.partition(b"\n")[2]
     return data

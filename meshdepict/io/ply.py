@@ -41,7 +41,7 @@ from meshdepict.surface.polygons import Polygons, as_polygons
 if TYPE_CHECKING:
     from meshdepict.shapes.mesh import Mesh
 
-__all__ = ["decode", "encode", "provenance"]
+__all__ = ["decode", "edited_rows", "encode", "provenance"]
 
 
 def provenance(file: BinaryIO) -> tuple[str, ...]:
@@ -129,7 +129,7 @@ def _write_edited(
         names = {old: old for old in element.names}
         colors: dict[str, Any] = {}
         if name == "vertex" and saving.colors is not None:
-            ours = bool(header.provenance)
+            ours = document.is_recolored
             names = new_names(element.names, ours=ours, keep=saving.keep_colors)
             colors = dict(zip(COLOR, saving.colors.T, strict=True))
         added = {
@@ -138,7 +138,7 @@ def _write_edited(
             if key not in element.names and len(values) == element.count
         } | colors
         if added:
-            edited[name], changed = _edited(section, names, added, header)
+            edited[name], changed = edited_rows(section, names, added, header)
             rows.append(changed)
         else:
             rows.append(section.rows)
@@ -154,7 +154,7 @@ def _write_edited(
             file.write(part)
 
 
-def _edited(
+def edited_rows(
     section: Section, names: Mapping[str, str], added: Mapping[str, Any], header: Header
 ) -> tuple[list[Property], Any]:
     """Return an element's properties under their new names with new ones, and its rows."""
@@ -179,7 +179,7 @@ def _write_fresh(file: BinaryIO, mesh: Mesh, polygons: Polygons, saving: Saving)
     other polygons than triangles (PyMeshLab, PyVista).
     """
     document = mesh.document if isinstance(mesh.document, Document) else Document()
-    attributes = recolored(mesh.attributes["vertex"], saving, ours=bool(document.provenance))
+    attributes = recolored(mesh.attributes["vertex"], saving, ours=document.is_recolored)
     extra, columns = as_properties(attributes, taken=POSITION)
     kind = exact_float(mesh.vertices)
     properties = [*(Property(name, kind) for name in POSITION), *extra]

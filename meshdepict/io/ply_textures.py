@@ -17,7 +17,8 @@ from meshdepict.shapes.textures import Textures, laid_textures
 from meshdepict.surface.polygons import Polygons
 
 __all__ = [
-    "has_coordinates", "picture_names", "ply_notes", "ply_textures", "with_pictures",
+    "COORDINATES", "COORDINATE_ELEMENTS", "has_coordinates", "picture_names", "ply_notes",
+    "ply_textures", "renamed_pictures", "with_pictures",
 ]  # fmt: skip
 
 Floats = NDArray[np.float64]
@@ -26,7 +27,17 @@ Ints = NDArray[np.int64]
 _COMMENT = re.compile(rb"(?mi)^[ \t]*comment[ \t]+TextureFile[ \t]+([^\r\n]*[^\r\n\s])")
 _PAIRS = (("s", "t"), ("u", "v"), ("texture_u", "texture_v"))  # of vertices
 _REPEAT = ("repeat", "repeat")
+
+COORDINATES = {
+    "vertex": tuple(name for pair in _PAIRS for name in pair),
+    "face": ("texcoord", "texnumber"),
+}
+"""Properties of elements that say where pictures lie, and which ones."""
+
 _MULTI = ("multi_texture_vertex", "multi_texture_face")
+
+COORDINATE_ELEMENTS = (*_MULTI, "corner")
+"""Elements that hold nothing else."""
 
 
 def picture_names(header: Header) -> list[str]:
@@ -147,6 +158,15 @@ def _of_multi(sections: Mapping[str, Section], polygons: Polygons) -> tuple[Floa
     inside = (index >= 0) & (index < len(table))
     uv[place[inside]] = table[index[inside]]
     return uv, number
+
+
+def renamed_pictures(text: bytes, name: str) -> bytes:
+    """Return a header's text that names one picture wherever it named any."""
+
+    def edit(match: re.Match[bytes]) -> bytes:
+        return match[0][: match.start(1) - match.start(0)] + name.encode()
+
+    return _COMMENT.sub(edit, text)
 
 
 def with_pictures(text: bytes, header: Header, folder: Path, companions: Companions) -> bytes:

@@ -7,7 +7,7 @@ import os
 import re
 import zlib
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import BinaryIO
 
@@ -16,7 +16,16 @@ from meshdepict.files.limits import unpacked
 from meshdepict.files.reach import regular
 from meshdepict.io.folders import MAPS, SCANS, held
 
-__all__ = ["FORMATS", "MESHES", "WRITABLE", "format_of", "opened", "suffix_of", "unmarked"]
+__all__ = [
+    "FORMATS",
+    "MESHES",
+    "WRITABLE",
+    "begins_as_ply",
+    "format_of",
+    "opened",
+    "suffix_of",
+    "unmarked",
+]
 
 # Suffix → the module of this package that reads (and, but for STL, writes) it.
 FORMATS = {
@@ -42,6 +51,15 @@ def suffix_of(path: str | os.PathLike[str]) -> str:
     if name.suffix.lower() == ".gz":
         name = name.with_suffix("")
     return name.suffix.lower()
+
+
+def begins_as_ply(path: str | os.PathLike[str]) -> bool:
+    """Whether there is a file, not packed, that begins as PLY does and nothing else."""
+    if not os.path.isfile(path):
+        return False
+    with suppress(OSError), Path(path).open("rb") as file:
+        return re.match(rb"ply\s", file.read(4)) is not None
+    return False
 
 
 @contextmanager

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterable
-from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, BinaryIO
 
@@ -17,37 +16,34 @@ from meshdepict.files.atomic import atomic_write
 from meshdepict.files.companions import Companions
 from meshdepict.files.mark import MARK
 from meshdepict.images.encoded import KINDS
-from meshdepict.io import text
 from meshdepict.io.source import suffix_of
 from meshdepict.shapes.document import Saving
-from meshdepict.surface.polygons import as_polygons
 
 if TYPE_CHECKING:
     from meshdepict.shapes.mesh import Mesh
     from meshdepict.shapes.textures import Texture
 
-__all__ = ["TEXTURED", "polygon_texcoords", "write_textured"]
+__all__ = ["TEXTURED", "write_textured"]
 
 Floats = NDArray[np.float64]
 
 TEXTURED = (".glb", ".gltf", ".obj", ".ply")
 """Suffixes of files that hold a mesh with its texture, or name it."""
 
-_MATERIAL = "depiction"
-
 
 def write_textured(
     path: str | os.PathLike[str],
     mesh: Mesh,
     *,
+    given: Mesh | None = None,
     comments: Iterable[str] = (),
     mipmaps: bool = True,
 ) -> None:
     """Write a mesh with the first of its base colours on it, wholly or not at all.
 
     GLB and glTF embed the picture, and keep the scenes of the file that the mesh was read from
-    beside; OBJ and PLY name it, and it is written beside them. Vertices, polygons and what is known
-    at vertices stay.
+    beside; OBJ and PLY name it, it is written beside them, and they keep what else was in the file
+    of their format that the mesh was read from. In other formats vertices and their data stay.
 
     Parameters
     ----------
@@ -55,6 +51,8 @@ def write_textured(
         Ends in one of `TEXTURED`.
     mesh : Mesh
         With textures.
+    given : Mesh, optional
+        As it was read, with the same triangles, where its polygons became triangles since.
     comments : iterable of str
         Lines of provenance.
     mipmaps : bool
@@ -76,24 +74,19 @@ def write_textured(
     companions = Companions(path)
     saving = Saving(None, tuple(comments), suffix=suffix, companions=companions)
     with atomic_write(path) as file, any_numbers():
+        source = mesh if given is None else given
         if suffix == ".obj":
-            _encode_obj(file, mesh, saving, _beside(path, picture, companions), Path(path).stem)
-        elif suffix == ".ply":
-            from meshdepict.io.textured_ply import encode_textured
+            from meshdepict.io.textured_obj import encode_textured_obj
 
-            encode_textured(file, mesh, saving, _beside(path, picture, companions))
+            named = _beside(path, picture, companions)
+            encode_textured_obj(file, mesh, source, saving, named, Path(path).stem)
+        elif suffix == ".ply":
+            from meshdepict.io.textured_ply import encode_textured_ply
+
+            encode_textured_ply(file, mesh, source, saving, _beside(path, picture, companions))
         else:
             _encode_gltf(file, mesh, saving, picture, mipmaps=mipmaps)
         companions.write()
-
-
-def polygon_texcoords(mesh: Mesh) -> Floats:
-    """Return the texture coordinates (c, 2) of the corners of a mesh's polygons, 0 where none."""
-    polygons = mesh.polygons or as_polygons(mesh.faces)
-    found = np.zeros((len(polygons.connectivity), 2))
-    assert mesh.texcoords is not None
-    found[mesh.triangle_corners.reshape(-1)] = mesh.texcoords.reshape(-1, 2)
-    return found
 
 
 def _beside(path: str | os.PathLike[str], picture: Texture, companions: Companions) -> str:
@@ -122,27 +115,3 @@ def _encode_gltf(
     part = Part(mesh.vertices[mesh.faces.reshape(-1)[first]], number.reshape(-1, 3), None, None)
     laid = Laid(picture, mesh.texcoords.reshape(-1, 2)[first], mipmaps)
     encode(file, mesh, saving, laid=(part, laid))
-
-
-def _encode_obj(file: BinaryIO, mesh: Mesh, saving: Saving, picture: str, stem: str) -> None:
-    assert saving.companions is not None
-    material = (
-        f"# {MARK}material of a baked texture\nnewmtl {_MATERIAL}\nKd 1 1 1\nillum 0\n"
-        f"map_Kd {picture}\n"
-    )
-    library = saving.companions.written(f"{stem}.mtl", material.encode(), mark=f"# {MARK}".encode())
-    polygons = mesh.polygons or as_polygons(mesh.faces)
-    places, number = np.unique(polygon_texcoords(mesh), axis=0, return_inverse=True)
-    file.writelines(f"# {line}\n".encode() for line in saving.comments)
-    file.write(f"mtllib {library}\nusemtl {_MATERIAL}\n".encode())
-    file.write(text.rows("v %r %r %r\n", *mesh.vertices.T))
-    file.write(text.rows("vt %.9g %.9g\n", *places.T))
-    words = [
-        f"{vertex}/{place}"
-        for vertex, place in zip(
-            (polygons.connectivity + 1).tolist(), (number.reshape(-1) + 1).tolist(), strict=True
-        )
-    ]
-    offsets = polygons.offsets.tolist()
-    lines = ("f " + " ".join(words[start:stop]) + "\n" for start, stop in pairwise(offsets))
-    file.write("".join(lines).encode())

@@ -152,7 +152,7 @@ def encode(file: BinaryIO, mesh: Mesh, saving: Saving) -> None:
     else:
         poly = _fresh(mesh, polygons)
     if saving.colors is not None:
-        ours = isinstance(document, Document) and bool(document.provenance)
+        ours = isinstance(document, Document) and document.is_recolored
         for name in {*_TRIPLES, _color_name(poly)} - {None}:
             poly.GetPointData().RemoveArray(name)
         attributes = recolored(mesh.attributes["vertex"], saving, ours=ours)

@@ -35,6 +35,8 @@ __all__ = ["HeightSpace", "height_space"]
 
 Single = NDArray[np.float32]
 
+_WIDEST = 1e9  # distances of cells: no raster has as many
+
 
 class HeightSpace(ScaleSpace):
     """Samples at the cells of a height field."""
@@ -160,6 +162,7 @@ class HeightSpace(ScaleSpace):
     def _blurred(self, block: NDArray[Any], width: float) -> NDArray[Any]:
         field = self.shape
         along = np.linalg.norm(field.steps[..., 0], axis=1)
+        width = min(width, _WIDEST * max(along.max(), field.spacing[1]))
         return blurred(
             block, width / field.spacing[1], width / along,
             tolerance=self.tolerance, narrowest=width / field.widest,

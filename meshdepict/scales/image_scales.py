@@ -73,6 +73,18 @@ class ImageSpace(ScaleSpace):
             )
         return self.shape.mesh
 
+    def ray_points(self, *, turned: NDArray[np.bool_] | bool = False) -> Floats:
+        """Return where rays start, (n, 3) world positions: on the surface that normals pretend."""
+        from meshdepict.transport.terminators import lifts_to_patches, smooth_starts
+
+        mesh, triangle, shares = self.shape.mesh, self.shape.triangle, self.shape.barycentric
+        if mesh is None or triangle is None or shares is None:
+            return self.points
+        lifts = lifts_to_patches(
+            mesh.unit_points, mesh.normals, mesh.faces[triangle], shares, turned=turned
+        )
+        return smooth_starts(mesh, self.points, lifts * (mesh.diagonal or 1.0))
+
     @property
     def unit_areas(self) -> Floats:
         """(n,) areas of the surface in the pixels, of those at contours ten pixels'."""

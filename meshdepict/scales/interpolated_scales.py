@@ -65,6 +65,7 @@ class InterpolatedSpace(ScaleSpace):
             source.shape, None, source.widths, source.ratio, own,
             facing=source.facing, tolerance=source.tolerance,
         )  # fmt: skip
+        self._ray_points: Floats | None = None
         self.tints = source.tints
         self.company, self.member = source.company, source.member
 
@@ -75,6 +76,22 @@ class InterpolatedSpace(ScaleSpace):
             found = self._spread(self.source.unit_points)
             self._points = found * (self.source.shape.diagonal or 1.0) + self.source.shape.centre
         return self._points
+
+    def ray_points(self, *, turned: NDArray[np.bool_] | bool = False) -> Floats:
+        """Return where rays start, (n, 3) world positions on the surface that normals pretend."""
+        from meshdepict.transport.terminators import lifts_to_patches, smooth_starts
+
+        if self._ray_points is not None and turned is False:
+            return self._ray_points
+        lifts = lifts_to_patches(
+            self.source.unit_points, self.source.normals_at(0), self._corners, self._weights,
+            turned=turned,
+        )  # fmt: skip
+        lifts *= self.source.shape.diagonal or 1.0
+        found = smooth_starts(self.surface, self.points, lifts)
+        if turned is False:
+            self._ray_points = found
+        return found
 
     def typical(self) -> ScaleSpace:
         """Return the samples of the whole."""

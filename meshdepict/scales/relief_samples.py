@@ -35,6 +35,19 @@ class ReliefSamples(NormalSets):
         """(n, 3) world positions of the samples."""
         raise NotImplementedError
 
+    def ray_points(self, *, turned: NDArray[np.bool_] | bool = False) -> NDArray[np.float64]:
+        """Return where rays from the samples start, (n, 3) world positions: mostly where these are.
+
+        Of what lies within triangles it is where their normals pretend the surface to be; see
+        `transport.terminators`.
+
+        Parameters
+        ----------
+        turned : bool or (n,) array
+            Whether rays leave on the other side than the normals say.
+        """
+        return self.points
+
     @property
     def count(self) -> int:
         """Number of samples."""
@@ -112,7 +125,7 @@ class ReliefSamples(NormalSets):
         from meshdepict.transport.occlusion import sky_openness
 
         reach = self._reach(radius, horizon)
-        at = self.points, self.normals_at(0)
+        at = self.ray_points(), self.normals_at(0)
         return sky_openness(
             self.surface, self.zenith, at=at, rays=rays, even=True, radius=reach
         ).values
@@ -123,7 +136,7 @@ class ReliefSamples(NormalSets):
 
         reach = self._reach(radius, horizon)
         side = -1 if negative else 1
-        at = self.points, side * self.normals_at(0)
+        at = self.ray_points(turned=negative), side * self.normals_at(0)
         return zenith_angles(self.surface, side * self.zenith, at=at, rays=rays, radius=reach)
 
     def _reach(self, radius: float, horizon: str) -> float | None:

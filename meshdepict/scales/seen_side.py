@@ -77,6 +77,10 @@ class SeenSide(ScaleSpace):
         """Return the samples of the whole."""
         return self.source.typical()
 
+    def ray_points(self, *, turned: NDArray[np.bool_] | bool = False) -> Floats:
+        """Return where rays start on the side that is seen."""
+        return self.source.ray_points(turned=self.turned ^ turned)
+
     def _to_eye(self, scale: int) -> NDArray[np.float32]:
         planes = self.source.planes_at(scale)
         return np.where(self.turned, -planes, planes)

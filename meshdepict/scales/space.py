@@ -334,7 +334,7 @@ class ScaleSpace(ReliefSamples):
         if at is None and self.at_vertices and not light.spread:
             return self.seen_from_vertices([light])[0]
         surface = self.surface
-        places = (surface.recentred(self.points), self.normals_at(0)) if at is None else at
+        places = (surface.recentred(self.ray_points()), self.normals_at(0)) if at is None else at
         return seen_share(
             surface, light.direction, at=places, spread=light.spread, rays=rays,
             steps=FIRST if steps is None else steps,
@@ -397,7 +397,8 @@ class ScaleSpace(ReliefSamples):
     def _open(self, rays: int) -> Openness:
         from meshdepict.transport.occlusion import ambient_openness
 
-        return ambient_openness(self.surface, at=(self.points, self.normals_at(0)), rays=rays)
+        at = self.ray_points(), self.normals_at(0)
+        return ambient_openness(self.surface, at=at, rays=rays)
 
     def __repr__(self) -> str:
         """Return the number of samples and the range of widths."""

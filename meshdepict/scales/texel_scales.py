@@ -70,5 +70,5 @@ class TexelSpace(InterpolatedSpace):
     def _open(self, rays: int) -> Openness:
         from meshdepict.transport.occlusion import ambient_openness
 
-        at = self.points, np.asarray(self.normals_at(0), np.float64)
+        at = self.ray_points(), np.asarray(self.normals_at(0), np.float64)
         return ambient_openness(self.surface, at=at, rays=rays)

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from meshdepict.errors import MeshdepictError
+from meshdepict.files.any_numbers import real_array
 from meshdepict.options import real
 from meshdepict.scene.blurs import (
     WIDEST,
@@ -33,7 +34,7 @@ from meshdepict.scene.equirectangular import (
     to_picture,
     to_world,
 )
-from meshdepict.scene.light import Light
+from meshdepict.scene.light import BRIGHTEST, Light
 from meshdepict.scene.parts import compact_parts, median_parts, summed
 from meshdepict.scene.upright import upright
 
@@ -48,6 +49,7 @@ SAMPLINGS = ("lobes", "lights")
 
 # Ramamoorthi and Hanrahan 2001: what a cosine keeps of each order of spherical harmonics.
 _COSINE = (math.pi, 2 * math.pi / 3, math.pi / 4)
+_MOST = BRIGHTEST / 1e3  # of a pixel: one light may stand for all of the sphere
 _CUT_SOURCE = 512  # rows of the picture that lights are cut from: a third of a degree
 
 
@@ -57,7 +59,7 @@ class Environment:
     Parameters
     ----------
     pixels : (h, w, 3) array_like
-        Linear RGB radiance, equirectangular, as this module's docstring lays it out.
+        Linear RGB radiance, 0 … 1e12, equirectangular, as this module's docstring lays it out.
     up : {"y", "z", "-y", "-z", "x", "-x"}
         Which axis of the world points up.
     name : str
@@ -70,14 +72,13 @@ class Environment:
     def __init__(
         self, pixels: ArrayLike, *, up: str = "y", name: str = "", sampling: str = "lobes"
     ) -> None:
-        try:
-            array = np.array(pixels, np.float32)
-        except (TypeError, ValueError, OverflowError):
-            array = np.empty(0, np.float32)
-        if array.ndim != 3 or array.shape[2] != 3 or 0 in array.shape:
+        array = real_array(pixels, np.float32)
+        if array is None or array.ndim != 3 or array.shape[2] != 3 or 0 in array.shape:
             raise MeshdepictError("an environment's pixels must have shape (rows, columns, 3)")
-        if not np.isfinite(array).all() or (array < 0).any():
-            raise MeshdepictError("an environment's pixels must be finite and not negative")
+        if not ((array >= 0) & (array <= _MOST)).all():
+            raise MeshdepictError(
+                f"an environment's pixels must be finite and not negative, and {_MOST:g} at most"
+            )
         upright(up)  # refuses what can't be up
         if not isinstance(sampling, str) or sampling not in SAMPLINGS:
             raise MeshdepictError(f"sampling={sampling!r} is neither 'lobes' nor 'lights'")
@@ -389,10 +390,7 @@ def _harmonics(directions: Floats) -> Floats:
 
 def _vectors(given: ArrayLike, what: str) -> NDArray[np.float64]:
     """Return (…, 3) numbers."""
-    try:
-        array = np.asarray(given, np.float64)
-    except (TypeError, ValueError, OverflowError):
-        array = np.empty(0)
-    if array.ndim == 0 or array.shape[-1] != 3:
+    array = real_array(given)
+    if array is None or array.ndim == 0 or array.shape[-1] != 3:
         raise MeshdepictError(f"{what} must be an (n, 3) array of numbers")
     return array

@@ -13,7 +13,10 @@ from meshdepict.errors import MeshdepictError
 from meshdepict.options import real
 from meshdepict.scene.vectors import numbers_of, unit
 
-__all__ = ["Light", "Lights"]
+__all__ = ["BRIGHTEST", "Light", "Lights"]
+
+BRIGHTEST = 1e15
+"""Largest number of a light's colour: sums of many, and their squares, are single precision's."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,7 +30,8 @@ class Light:
     name : str
         What a caption calls it.
     color : (3,) array_like
-        Linear RGB: what a white Lambertian surface facing the light shows (its irradiance / π).
+        Linear RGB, 0 … 1e15: what a white Lambertian surface facing the light shows (its
+        irradiance / π).
     spread : float
         Half-angle of a disc about the direction in degrees, 0 … 180: its shadows are soft. What
         casts none is lit from its middle; `disc` gives lights that stand for it.
@@ -49,8 +53,11 @@ class Light:
         object.__setattr__(self, "spread", float(angle))
         object.__setattr__(self, "direction", unit(self.direction, "a light's direction"))
         color = numbers_of(self.color)
-        if color.shape != (3,) or (color < 0).any():
-            raise MeshdepictError(f"a light's color must be three numbers ≥ 0, not {self.color!r}")
+        if color.shape != (3,) or not ((color >= 0) & (color <= BRIGHTEST)).all():
+            raise MeshdepictError(
+                f"a light's color must be three numbers from 0 to {BRIGHTEST:g}, not "
+                f"{self.color!r:.80}"
+            )
         object.__setattr__(self, "color", color)
 
     def turned(self, turn: NDArray[np.float64]) -> Light:

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from meshdepict.errors import MeshdepictError
+from meshdepict.files.any_numbers import real_array
 
 __all__ = ["Vector", "cosines", "frozen", "in_frame", "numbers_of", "unit"]
 
@@ -38,11 +39,9 @@ def in_frame(vectors: NDArray[Any], axes: ArrayLike) -> NDArray[Any]:
 
 def numbers_of(given: object) -> Vector:
     """Return a new read-only array of finite numbers, an empty one where that is impossible."""
-    try:
-        array = np.array(given, dtype=np.float64)
-    except (TypeError, ValueError, OverflowError):
+    array = real_array(given)  # type: ignore[arg-type]
+    if array is None or not np.isfinite(array).all():
         array = np.empty(0)
-    array = array if np.isfinite(array).all() else np.empty(0)
     array.setflags(write=False)
     return array
 

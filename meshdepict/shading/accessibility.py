@@ -41,15 +41,19 @@ def accessible_radii(points: Floats, normals: NDArray[Any], cap: float) -> Float
     """
     from scipy.spatial import KDTree
 
+    from meshdepict.surface.welding import same_position
     from meshdepict.threads import thread_count
 
-    tree = KDTree(points)
+    # A tree of points at one place would ask each of them about all others.
+    label = same_position(points)
+    places = points if label is None else points[np.unique(label, return_index=True)[1]]
+    tree = KDTree(places)
     radii = np.full(len(points), float(cap))
     moving = np.arange(len(points))
     while len(moving):
         centre = points[moving] + radii[moving, None] * normals[moving]
         _, nearest = tree.query(centre, workers=thread_count())
-        d = points[nearest] - points[moving]
+        d = places[nearest] - points[moving]
         above = np.einsum("ij,ij->i", normals[moving], d)
         squared = np.einsum("ij,ij->i", d, d)
         # Of several points at one place, as along seams, none is in another's way.

@@ -11,11 +11,13 @@ from __future__ import annotations
 import threading
 import warnings
 from collections.abc import Callable, Iterator, Mapping, MutableMapping
-from importlib.metadata import EntryPoint, entry_points
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from meshdepict.errors import MeshdepictWarning
 from meshdepict.shading.method import is_method
+
+if TYPE_CHECKING:
+    from importlib.metadata import EntryPoint
 
 __all__ = ["GROUP", "Methods"]
 
@@ -69,6 +71,8 @@ class Methods(MutableMapping[str, Callable[..., Any]]):
 
     def _load(self, *names: str) -> None:
         """Import those of other packages that are called so, or all that are left."""
+        from importlib.metadata import entry_points
+
         with self._lock:
             notes: list[str] = []
             if self._waiting is None:

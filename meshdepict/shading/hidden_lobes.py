@@ -100,7 +100,7 @@ def _summed(space: ScaleSpace, samples: LobeSamples, met: list[_Met], light: Sin
     from meshdepict.transport.rays import lifted
 
     surface, own, normals = space.surface, space.normals_at(0), space.surface_normals
-    points = surface.recentred(space.points)
+    points = surface.recentred(space.ray_points())
     lifts = lifted(points, own)
     matt = np.zeros(len(surface.faces), bool)
     faces = surface.faces.astype(np.int32)

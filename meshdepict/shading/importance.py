@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from meshdepict.curvature.view import eigenvalues
 from meshdepict.errors import MeshdepictError
+from meshdepict.files.any_numbers import any_numbers
 from meshdepict.files.pictures import is_picture
 from meshdepict.options import Samples, nearest
 from meshdepict.scales.space import ScaleSpace
@@ -198,11 +199,14 @@ def _is_plain(values: NDArray[Any]) -> bool:
 def _in_range(values: NDArray[Any], name: str) -> Floats:
     if not _is_plain(values):
         raise MeshdepictError(f"importance: the attribute {name!r} is not one number a vertex")
-    share = values / 255 if values.dtype == np.uint8 else values.astype(np.float64)
+    with any_numbers():
+        share = values / 255 if values.dtype == np.uint8 else values.astype(np.float64)
+    if not np.isfinite(share).all():
+        raise MeshdepictError(f"importance: the attribute {name!r} holds NaN or infinite numbers")
     if not ((share >= 0) & (share <= 1)).all():
         raise MeshdepictError(
-            f"importance: the attribute {name!r} goes from {np.nanmin(share):.4g} to "
-            f"{np.nanmax(share):.4g}: scale it to 0 … 1"
+            f"importance: the attribute {name!r} goes from {share.min():.4g} to "
+            f"{share.max():.4g}: scale it to 0 … 1"
         )
     return share
 

@@ -8,6 +8,7 @@ from typing import Annotated, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from meshdepict.color.spans import reach
 from meshdepict.errors import MeshdepictError
 from meshdepict.options import Range
 from meshdepict.scales.reads import Reads
@@ -94,5 +95,5 @@ def local_dominance(
             f"local_dominance: darkest={darkest:g} is not below brightest={high:g}: between them "
             "the grey scale lies"
         )
-    shown = (_dominance(space, **rule) - np.float32(darkest)) / np.float32(high - darkest)
+    shown = (_dominance(space, **rule) - np.float32(darkest)) / np.float32(reach(darkest, high))
     return exposed(np.clip(shown, 0, 1), exposure)

@@ -131,7 +131,7 @@ def method(
     ----------
     scales, ratio, linear, local, lights, needs, compared, light, fits, ground, source
         See `Declaration`.
-    reads : callable (last, **options) → Reads, optional
+    reads : callable (last, options) → Reads, optional
         Called with every option of the function. Only what it names is computed before the function
         is called, and is what ``meshdepict info --explain`` tells; what else the function reads is
         computed then. Unless given, all sets of normals, or the shape's own where ``scales`` is 0.

@@ -111,7 +111,7 @@ def mirrored_light(
         space, environment, normals, apart, 2 * bent * np.float32(apart), roughness, bounces,
         shadows, matt, scaled,
     )  # fmt: skip
-    points = surface.recentred(space.points)
+    points = surface.recentred(space.ray_points())
     lifts = lifted(points, own)
     looks = np.ascontiguousarray(directions, np.float32)
     out = environment.lookup(looks, blur=roughness)

@@ -7,6 +7,7 @@ from typing import Annotated, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from meshdepict.color.spans import reach
 from meshdepict.errors import MeshdepictError
 from meshdepict.heights.map_rules import HORIZONS
 from meshdepict.options import Choice, Range
@@ -48,7 +49,7 @@ def _share(angles: NDArray[np.float32], least: float, most: float, name: str) ->
         raise MeshdepictError(
             f"{name}: least={least:g} is not below most={most:g}: between them the grey scale lies"
         )
-    return np.clip((angles - np.float32(least)) / np.float32(most - least), 0, 1)
+    return np.clip((angles - np.float32(least)) / np.float32(reach(least, most)), 0, 1)
 
 
 @method(

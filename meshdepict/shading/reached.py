@@ -193,7 +193,7 @@ def _sampled(
     soft = shadows and any(light.spread for light in lights)
     if not (bounces or environments):
         if soft:
-            places = space.surface.recentred(space.points), space.normals_at(0)
+            places = space.surface.recentred(space.ray_points()), space.normals_at(0)
             chosen = probed(len(space.points))
             own, at = gathering.at(chosen), (places[0][chosen], places[1][chosen])
             seen_once: Shares = tuple(one if one is None else one[chosen] for one in seen)

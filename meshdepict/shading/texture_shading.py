@@ -18,6 +18,8 @@ from meshdepict.shading.method import Exposure, exposed, method
 __all__ = ["settle", "texture_shading"]
 
 _DETAIL = 0.8
+_REFERENCES = (1e-30, 1e30)
+_MOST = 1e15  # of x: its square is a number in single precision, and all beyond it black or white
 _USUAL = 0.3  # of terrain that is never whole at hand, in m^0.2: hills of 30 m cells
 
 
@@ -29,7 +31,8 @@ def settle(space: ScaleSpace | None, options: Mapping[str, Any]) -> dict[str, An
         return {"reference": _USUAL}
     values = _texture(space.typical(), options.get("detail", _DETAIL)).astype(np.float64)
     found = math.sqrt(float(np.mean(values**2))) if len(values) else 0.0
-    return {"reference": float(f"{found:.4g}") or 1.0}
+    least, most = _REFERENCES
+    return {"reference": min(max(float(f"{found:.4g}"), least), most) if found else 1.0}
 
 
 def _texture(space: ScaleSpace, detail: float) -> NDArray[np.float32]:
@@ -54,13 +57,13 @@ def texture_shading(
         float, Range(0, 1e6, help="factor on texture before the grey scale", soft=(0, 4))
     ] = 1.0,
     reference: Annotated[
-        float | None, Range(1e-30, 1e30, help="texture at ±0.35 from grey; its rms if none")
+        float | None, Range(*_REFERENCES, help="texture at ±0.35 from grey; its rms if none")
     ] = None,
     exposure: Exposure = 1.0,
 ) -> NDArray[np.float32]:
     """Shade by the fractional Laplacian of heights: crests bright, canyons dark, of whatever size.
 
-    Each wave of the ground is scaled by |ω|^detail, in a transform whose edges mirror: ``½ + ½
+    Each wave of the ground is scaled by ``|ω|^detail``, in a transform whose edges mirror: ``½ + ½
     x/√(1 + x²)``, x = contrast · texture/reference.
 
     Parameters
@@ -70,6 +73,9 @@ def texture_shading(
     """
     del light
     given = settle(space, {"detail": detail, "reference": reference})["reference"]
-    x = _texture(space, detail) * np.float32(contrast / given)
-    x = np.clip(x, np.float32(-1e15), np.float32(1e15))
+    factor = contrast / given
+    x, most = _texture(space, detail), np.float32(_MOST)
+    if factor > 1:  # before they are multiplied, so that nothing overflows
+        x = np.clip(x, np.float32(-_MOST / factor), np.float32(_MOST / factor))
+    x = np.clip(x * np.float32(factor), -most, most)
     return exposed((1 + x / np.sqrt(1 + x * x)) / 2, exposure)

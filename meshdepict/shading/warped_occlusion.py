@@ -41,7 +41,7 @@ def warped_openness(
     from embreex.rtcore_scene import EmbreeScene
 
     mesh = space.surface
-    points, normals = mesh.recentred(space.points), np.ascontiguousarray(space.normals_at(0))
+    points, normals = mesh.recentred(space.ray_points()), np.ascontiguousarray(space.normals_at(0))
     scene = EmbreeScene()
     TriangleMesh(scene, mesh.unit_points.astype(np.float32), mesh.faces.astype(np.int32))
     free = np.zeros(len(points), np.int64)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from meshdepict.surface.edges import connected
+from meshdepict.surface.components import connected
 from meshdepict.surface.welding import same_position
 
 if TYPE_CHECKING:

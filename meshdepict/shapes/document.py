@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from meshdepict.errors import MeshdepictWarning
+from meshdepict.errors import MeshdepictError, MeshdepictWarning
+from meshdepict.files.mark import MARK
 from meshdepict.surface.mesh_input import is_drawable
 from meshdepict.surface.polygons import FacesLike
 
@@ -28,10 +29,12 @@ __all__ = [
     "new_names",
     "only_colors",
     "recolored",
+    "restored_names",
     "same_vertices",
 ]
 
 COLOR = ("red", "green", "blue")
+_ORIGINALS = tuple(f"original_{channel}" for channel in COLOR)
 
 
 class Contents(NamedTuple):
@@ -62,15 +65,23 @@ class Saving(NamedTuple):
 class Document:
     """What a file held beside its mesh.
 
-    ``provenance`` holds the lines that this program wrote into the file: where there are any, the
-    file's red, green and blue are a former bake's, not the object's. ``up`` is the axis that points
-    up where the file's format has one. ``formats`` are the suffixes of files that keep what no
-    other format does.
+    ``provenance`` holds the lines that this program wrote into the file. ``up`` is the axis that
+    points up where the file's format has one. ``formats`` are the suffixes of files that keep what
+    no other format does.
     """
 
     provenance: tuple[str, ...] = ()
     up: str = ""
     formats: tuple[str, ...] = ()
+
+    @property
+    def is_recolored(self) -> bool:
+        """Whether the file's red, green and blue are a former bake's, not the object's.
+
+        They are where this program wrote the file, unless it baked a texture.
+        """
+        textured = any(line.startswith(f"{MARK}texture: ") for line in self.provenance)
+        return bool(self.provenance) and not textured
 
     @property
     def extras(self) -> tuple[str, ...]:
@@ -148,6 +159,14 @@ def new_names(names: Iterable[str], *, ours: bool, keep: bool) -> dict[str, str]
     return renamed
 
 
+def restored_names(names: Iterable[str]) -> dict[str, str]:
+    """Return what the properties of vertices are called without a former bake's colours."""
+    return {
+        name: name.removeprefix("original_") if name in _ORIGINALS else name
+        for name in names if name not in COLOR
+    }  # fmt: skip
+
+
 def recolored(attributes: Mapping[str, Any], saving: Saving, *, ours: bool) -> dict[str, Any]:
     """Return a mesh's vertex attributes with the new colours as red, green and blue."""
     if saving.colors is None:
@@ -165,9 +184,16 @@ def as_bytes(values: NDArray[Any]) -> NDArray[np.uint8]:
 
     Which of them they are, most of the numbers above zero decide: one that is out of range is cut
     off at white, and darkens no other. NaN counts as black.
+
+    Raises
+    ------
+    MeshdepictError
+        For what is no number.
     """
     if values.dtype == np.uint8:
         return values
+    if values.dtype.kind not in "biuf":
+        raise MeshdepictError(f"colours must be real numbers, not {values.dtype}")
     whole = values.dtype.kind in "iu"
     wide = values.astype(np.float32) if values.dtype == np.float16 else values
     finite = values if whole else np.nan_to_num(wide, posinf=255, neginf=0).clip(0, _WHITE)
@@ -199,7 +225,7 @@ def only_colors(
     """
     own = all(channel in attributes for channel in COLOR)
     if saving.colors is not None:
-        ours = isinstance(document, Document) and bool(document.provenance)
+        ours = isinstance(document, Document) and document.is_recolored
         kept = new_names(attributes, ours=ours, keep=saving.keep_colors).values()
         if any(f"original_{channel}" in kept for channel in COLOR):
             warnings.warn(

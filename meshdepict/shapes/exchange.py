@@ -155,6 +155,36 @@ def trimesh_contents(given: object) -> Contents:
     return Contents(np.asarray(tm.vertices), np.asarray(tm.faces), attributes, Document())
 
 
+def to_trimesh(
+    vertices: NDArray[np.float64],
+    faces: NDArray[np.int64],
+    attributes: Mapping[str, NDArray[Any]],
+) -> Any:
+    """Return a ``trimesh.Trimesh`` with a mesh's vertices in their order, all of it copied.
+
+    Parameters
+    ----------
+    vertices : (n, 3) array
+    faces : (m, 3) array
+    attributes : {name: (n, …)}
+        Of the vertices; 8-bit red, green, blue and alpha become its colours.
+    """
+    import trimesh
+
+    arrays = _colors_together(attributes)
+    colors = arrays.pop("RGB", None)
+    alpha = arrays.get("alpha")
+    if colors is not None and alpha is not None and alpha.dtype == np.uint8:
+        colors = np.column_stack((colors, arrays.pop("alpha")))
+    return trimesh.Trimesh(
+        vertices.copy(),
+        faces.copy(),
+        vertex_colors=colors,
+        vertex_attributes={name: values.copy() for name, values in arrays.items()},
+        process=False,
+    )
+
+
 def _cells(cells: vtkCellArray) -> Polygons:
     from vtkmodules.util.numpy_support import vtk_to_numpy
 

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from meshdepict.errors import MeshdepictError
+from meshdepict.files.any_numbers import any_numbers
 from meshdepict.images.pixel_samples import PixelSamples, check_size, finite
 from meshdepict.scene.vectors import frozen
 from meshdepict.shapes.fingerprint import fingerprint
@@ -80,7 +81,9 @@ class GBuffer(PixelSamples):
         super().__init__(view, mask, depths)
         count = len(self.depths)
         self.normals = finite(normals, (count, 3), "normals")
-        off = int(np.count_nonzero(np.abs(np.linalg.norm(self.normals, axis=1) - 1) > _UNIT))
+        with any_numbers():
+            length = np.linalg.norm(self.normals, axis=1)
+        off = int(np.count_nonzero(~(np.abs(length - 1) <= _UNIT)))
         if off:
             raise MeshdepictError(
                 f"normals of {off:,} pixels are not of unit length: normalise them"

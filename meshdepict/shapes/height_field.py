@@ -14,6 +14,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from meshdepict.errors import MeshdepictError
+from meshdepict.files.any_numbers import real_array
+from meshdepict.heights.cells import check_heights
 from meshdepict.options import real
 from meshdepict.scene.vectors import frozen
 from meshdepict.shapes.fingerprint import fingerprint
@@ -48,7 +50,7 @@ class HeightField(RasterBox):
     unit : float
         Metres in a unit of the transform; of degrees it is left out.
     valid : (rows, columns) array_like of bool, optional
-        Cells that hold a height; those that are finite unless given.
+        Cells that hold a height; those that are finite, and that no mask hides, unless given.
     attributes : mapping, optional
         What else is known: band, unit of heights, source.
 
@@ -70,7 +72,7 @@ class HeightField(RasterBox):
     ------
     MeshdepictError
         For what has not rows and columns of numbers, no valid cell, sheared or empty cells, degrees
-        that are none, and infinite heights that are said to be valid.
+        that are none, infinite heights that are said to be valid, and heights beyond 1e32.
     """
 
     def __init__(
@@ -101,6 +103,7 @@ class HeightField(RasterBox):
         )  # fmt: skip
         if attributes is not None and not isinstance(attributes, Mapping):
             raise MeshdepictError(f"attributes={attributes!r} is no mapping of names to values")
+        check_heights(self.z, self.transform, degrees=self.degrees, unit=self.unit)
         self.attributes = dict(attributes or {})
         self.z_factor = 1.0
         self.before: HeightField | None = None
@@ -187,17 +190,14 @@ class HeightField(RasterBox):
         Raises
         ------
         MeshdepictError
-            For a factor that is no positive number, and heights beyond all numbers.
+            For a factor that is no positive number, and heights that become too great for cells.
         """
         times = real(factor)
         if times is None or not 0 < times <= 1e6:
             raise MeshdepictError(f"z_factor={factor!r} is not a number above 0 and up to 1e6")
         if times == 1:
             return self
-        with np.errstate(over="ignore"):
-            heights = self.z * self.z.dtype.type(times)
-        if not np.isfinite(heights).all():
-            raise MeshdepictError(f"z_factor={factor:g} makes heights grow beyond all numbers")
+        heights = self.z * self.z.dtype.type(times)
         found = window_of(self, 0, 0, heights, self.valid, attributes=self.attributes)
         found.z_factor, found.before = self.z_factor * times, self.before or self
         return found
@@ -279,12 +279,15 @@ def window_of(
 def _numbers(z: ArrayLike) -> NDArray[Any]:
     """Return heights as an array of floats; refuse what is none."""
     try:
-        array = np.asarray(z)
-        if array.dtype.kind in "iub":
-            exact = array.dtype.itemsize <= 2
-            array = array.astype(np.float32 if exact else np.float64)
-        elif array.dtype.kind != "f" or array.dtype.itemsize not in (4, 8):
-            array = array.astype(np.float64)
+        array = np.asanyarray(z)
+        exact = array.dtype.kind in "iub" and array.dtype.itemsize <= 2
+        proper = array.dtype.kind == "f" and array.dtype.itemsize in (4, 8)
+        if not proper or isinstance(array, np.ma.MaskedArray):
+            single = exact or (proper and array.dtype.itemsize == 4)
+            found = real_array(array, np.float32 if single else np.float64)
+            if found is None:
+                raise TypeError
+            array = found
         array = array.astype(array.dtype.newbyteorder("="), copy=False)
     except (TypeError, ValueError, OverflowError):
         raise MeshdepictError("heights must be real numbers in rows and columns") from None

@@ -38,6 +38,11 @@ def isosurface(volume: Volume, value: float) -> Mesh:
             f"a surface at {value!r} can't be found: the volume's values are {low:g} … {high:g} "
             f"({volume.unit})"
         )
+    if not np.isfinite(high - low):
+        raise MeshdepictError(
+            f"a surface between values from {low:g} to {high:g}, whose difference is no number, "
+            "can't be found: give the volume's values in another unit"
+        )
     # Found on the grid itself, of spacing 1, and then taken to the world: neither large offsets
     # nor tiny voxels cost digits, and any direction will do.
     grid = volume.to_pyvista()

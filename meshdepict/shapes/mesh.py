@@ -154,6 +154,25 @@ class Mesh(Geometry):
 
         return cls._of(trimesh_contents(tm), winding)
 
+    def to_pyvista(self) -> Any:
+        """Return a ``pyvista.PolyData`` with the polygons and all arrays, which are copied.
+
+        8-bit vertex colours become the array "RGB"; `from_pyvista` takes all of it back.
+        """
+        from meshdepict.shapes.exchange import to_polydata
+
+        faces = self.faces if self.polygons is None else self.polygons
+        return to_polydata(self.vertices, faces, self.attributes["vertex"], self.attributes["face"])
+
+    def to_trimesh(self) -> Any:
+        """Return a ``trimesh.Trimesh`` of the triangles, vertices in the same order.
+
+        Its vertex arrays go along, 8-bit colours as trimesh's own; those of faces don't.
+        """
+        from meshdepict.shapes.exchange import to_trimesh
+
+        return to_trimesh(self.vertices, self.faces, self.attributes["vertex"])
+
     @classmethod
     def _of(cls, contents: Contents, winding: str) -> Mesh:
         vertices, faces, attributes, document, length_unit = contents

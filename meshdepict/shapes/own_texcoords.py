@@ -13,7 +13,7 @@ from meshdepict.surface.polygons import as_polygons
 if TYPE_CHECKING:
     from meshdepict.shapes.mesh import Mesh
 
-__all__ = ["own_texcoords"]
+__all__ = ["file_texcoords", "own_texcoords"]
 
 Floats = NDArray[np.float64]
 
@@ -31,13 +31,20 @@ def own_texcoords(mesh: Mesh) -> tuple[Floats, NDArray[np.bool_]] | None:
         laid = mesh.textures.texcoords
         blank = (laid == 0).all(axis=2).any(axis=1)  # what has none has no material either
         return laid, ~((mesh.textures.material < 0) & blank)
-    found = _of_corners(mesh)
-    if found is None:
-        found = _of_vertices(mesh)
+    found = file_texcoords(mesh)
     if found is None:
         return None
     placed = np.asarray(np.isfinite(found).all(axis=(1, 2)))
     return np.where(placed[:, None, None], found, 0.0), placed
+
+
+def file_texcoords(mesh: Mesh) -> Floats | None:
+    """Return the coordinates (m, 3, 2) that a mesh's file has at corners, else at vertices.
+
+    NaN where a corner has none; None without any.
+    """
+    found = _of_corners(mesh)
+    return _of_vertices(mesh) if found is None else found
 
 
 def _of_corners(mesh: Mesh) -> Floats | None:

@@ -14,8 +14,8 @@ from meshdepict.options import real
 from meshdepict.scene.vectors import frozen
 from meshdepict.shapes.document import Document
 from meshdepict.shapes.mesh import Mesh
+from meshdepict.surface.components import connected
 from meshdepict.surface.creases import Fans, fans_between_creases, parted_corners
-from meshdepict.surface.edges import connected
 from meshdepict.surface.polygons import Polygons, as_polygons
 
 if TYPE_CHECKING:

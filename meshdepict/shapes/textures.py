@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from meshdepict.errors import MeshdepictError, MeshdepictWarning
+from meshdepict.files.any_numbers import real_array
 from meshdepict.images.encoded import decode
 
 __all__ = ["WRAPS", "Texture", "Textures", "laid_textures"]
@@ -21,6 +22,11 @@ Floats = NDArray[np.float64]
 WRAPS = ("repeat", "clamp", "mirror")
 """What lies beyond a picture's edge: it again, its last pixels, or it the other way round."""
 
+_LARGEST = 1e18  # of coordinates, factors and scales: squares are single precision's
+_CALLED = {
+    "texcoords": "texture coordinates", "normal_texcoords": "texture coordinates",
+    "factors": "factors of base colours", "normal_scales": "scales of normal maps",
+}  # fmt: skip
 _BLOCK = 1 << 18  # coordinates at a time: temporaries stay small
 
 
@@ -40,6 +46,8 @@ class Texture:
         Along u and v, each one of `WRAPS`.
     fault : str
         Why there is no picture, a clause whose subject is the mesh's file; "" where there is one.
+    mipmaps : bool
+        Whether smaller copies of the picture are of any use.
     """
 
     name: str
@@ -47,6 +55,20 @@ class Texture:
     kind: str = ""
     wrap: tuple[str, str] = ("repeat", "repeat")
     fault: str = field(default="", kw_only=True)
+    mipmaps: bool = field(default=True, kw_only=True)
+
+    @classmethod
+    def of_pixels(
+        cls,
+        pixels: NDArray[Any],
+        wrap: tuple[str, str] = ("clamp", "clamp"),
+        *,
+        mipmaps: bool = True,
+    ) -> Texture:
+        """Return a texture that was never a file: (h, w, 3 or 4) of uint8 or uint16."""
+        found = cls("", None, "", wrap, mipmaps=mipmaps)
+        vars(found)["pixels"] = pixels
+        return found
 
     @cached_property
     def pixels(self) -> NDArray[Any]:
@@ -162,6 +184,17 @@ class Textures:
         MeshdepictError
             Where they don't.
         """
+        for name in ("texcoords", "factors", "normal_scales", "normal_texcoords"):
+            given = getattr(self, name)
+            array = None if given is None else real_array(given)
+            if given is not None and (array is None or not (np.abs(array) <= _LARGEST).all()):
+                raise MeshdepictError(
+                    f"{_CALLED[name]} are NaN or infinite, beyond {_LARGEST:g} or no numbers"
+                )
+            object.__setattr__(self, name, array)
+        material = np.asarray(self.material)
+        if material.ndim != 1 or material.dtype.kind not in "iu":
+            raise MeshdepictError("materials of triangles are whole numbers, one for each")
         count, k = len(self.material), len(self.base_colors)
         shapes = self.texcoords.shape == (count, 3, 2) and self.factors.shape == (k, 4)
         if self.normal_texcoords is not None:
@@ -173,9 +206,6 @@ class Textures:
             )
         if count and not -1 <= self.material.min() <= self.material.max() < k:
             raise MeshdepictError(f"a triangle's material is none of the {k:,} that textures have")
-        for array in (self.texcoords, self.normal_texcoords):
-            if array is not None and not np.isfinite(array).all():
-                raise MeshdepictError("texture coordinates are NaN or infinite")
 
     def parts(self, owner: NDArray[np.int64], shares: Floats) -> Textures:
         """Return the textures of parts of the triangles.
@@ -256,10 +286,14 @@ def laid_textures(
         normal_texcoords = np.where(has[1][:, None, None], normal_texcoords, texcoords)
     laid = (has[0] | has[1]) & ~bad
     if bad.any():
-        what = "all" if not laid.any() else f"{np.count_nonzero(bad):,}"
+        count = int(np.count_nonzero(bad))
+        what = f"{count:,} triangles with a texture have"
+        if not laid.any():
+            what = "all triangles with a texture have"
+        elif count == 1:
+            what = "1 triangle with a texture has"
         warnings.warn(
-            f"{what} triangles with a texture have no coordinates in it, or such as are no "
-            "numbers: they are shown without",
+            f"{what} no coordinates in it, or such as are no numbers: shown without",
             MeshdepictWarning,
             stacklevel=2,
         )

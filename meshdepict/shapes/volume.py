@@ -29,6 +29,8 @@ from meshdepict.voxels.volume_input import (
 
 __all__ = ["Volume"]
 
+_LEAST = 1e-300  # by which values have to differ, so that shares of their range are numbers
+_ROUNDING = 1e-14  # of the values: what differs by less differs by rounding
 _SLAB = 1 << 22  # voxels looked at in one go, so that a file mapped into memory stays on the disk
 
 
@@ -67,8 +69,9 @@ class Volume(Grid):
     Raises
     ------
     MeshdepictError
-        For other shapes and types, an empty, one-slice or constant volume, NaN or infinite values,
-        a spacing that is not positive, and directions that are not orthonormal.
+        For other shapes and types, an empty, one-slice or constant volume, values that are NaN,
+        infinite or but for rounding the same, a spacing that is not positive, a place
+        farther than 1e15 sizes, and directions that are not orthonormal.
     """
 
     def __init__(
@@ -216,11 +219,14 @@ class Volume(Grid):
         """Refuse NaN and constants, reading no more of the values than it takes."""
         first = self.values[0, 0, 0]
         floats, varied, bad, where = self.values.dtype.kind == "f", False, 0, (0, 0, 0)
+        low = high = float(first)
         for rows, slab in self.slabs():
             varied = varied or bool((slab != first).any())
             if varied and not floats:
                 return
-            if floats and not np.isfinite(slab).all():
+            ends = float(slab.min()), float(slab.max())  # NaN where any is
+            low, high = min(low, ends[0]), max(high, ends[1])
+            if floats and not np.isfinite(ends).all():
                 wrong = ~np.isfinite(slab)
                 if not bad:
                     z, y, x = np.unravel_index(int(wrong.argmax()), wrong.shape)
@@ -233,6 +239,12 @@ class Volume(Grid):
             )
         if not varied:
             raise MeshdepictError(f"the volume is constant: every voxel is {first}")
+        half = high / 2 - low / 2
+        if floats and half < max(_LEAST, _ROUNDING * max(-low, high)):
+            raise MeshdepictError(
+                f"the volume is as good as constant: its values differ by {2 * half:g} at most, "
+                f"about {low:g}"
+            )
 
     @cached_property
     def identity(self) -> str:

@@ -22,6 +22,7 @@ Floats = NDArray[np.float64]
 # By how much the integral of 1/‖x‖ exceeds its sum over a square lattice without the origin, in
 # edges of its cells over 2π. A hexagonal lattice of the same area has 0.624.
 _OWN = 0.621
+_LEAST = 1e-12  # of the extent: in smaller balls rounded positions have no neighbours
 _CELL = 0.5  # of the largest radius: a cell's side
 _NEAR = 3.0  # edges of a cell, at which none says any more how a point's own area is bent
 
@@ -68,9 +69,9 @@ def ball_shares(
     (len(radii), n) array
         In [0, 1]; ½ on a plane, less on a bump, more in a hollow.
     """
-    wide = np.asarray(radii, np.float64)
-    largest = float(wide.max())
     low, high = points.min(axis=0), points.max(axis=0)
+    wide = np.maximum(np.asarray(radii, np.float64), _LEAST * float((high - low).max()))
+    largest = float(wide.max())
     side = max(_CELL * largest, float((high - low).max()) / 1e6)
     index = ((points - low) / side).astype(np.int64)
     shape = index.max(axis=0) + 1

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from meshdepict.surface.welding import same_position
 from meshdepict.threads import kernel, thread_count
 
 __all__ = ["ClosestPoints"]
@@ -28,9 +29,12 @@ class ClosestPoints:
         from scipy.spatial import KDTree
 
         self._points, self._faces = points, faces
-        self._used = np.unique(faces)
-        self._tree: Any = KDTree(points[self._used])
-        flat = faces.reshape(-1)
+        # Vertices at one place, as along seams, are one: triangles of all of them are round it.
+        label = same_position(points)
+        one = faces if label is None else label[faces]
+        self._used, first = np.unique(one, return_index=True)
+        self._tree: Any = KDTree(points[faces.reshape(-1)[first]])
+        flat = one.reshape(-1)
         order = np.argsort(flat, kind="stable")
         self._around = (order // 3).astype(np.int64)
         self._begin = np.searchsorted(flat[order], np.arange(len(points) + 1)).astype(np.int64)

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from meshdepict.surface.edges import connected
+from meshdepict.surface.components import connected
 from meshdepict.surface.planes import Sides, side_keys
 
 __all__ = ["Fans", "Parts", "fans_between_creases", "parted_corners"]

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from meshdepict.surface.edges import connected, sorted_edges
+from meshdepict.surface.components import connected
+from meshdepict.surface.edges import sorted_edges
 from meshdepict.surface.welding import mixed_bits, same_position
 
 __all__ = ["other_sides"]

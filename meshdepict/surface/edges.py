@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from meshdepict.surface.welding import same_position
 
-__all__ = ["Cleaned", "Edges", "cleaned", "connected", "edge_keys", "is_balanced", "sorted_edges"]
+__all__ = ["Cleaned", "Edges", "cleaned", "edge_keys", "is_balanced", "sorted_edges"]
 
 Bools = NDArray[np.bool_]
 Floats = NDArray[np.float64]
@@ -81,15 +81,6 @@ def sorted_edges(faces: Ints, n: int) -> Edges:
     start = np.flatnonzero(np.diff(keys, prepend=-1))
     count = np.diff(start, append=len(keys))
     return Edges(order % max(len(faces), 1), forward, start, count, keys[start])
-
-
-def connected(count: int, i: Ints, j: Ints) -> Ints:
-    """Label the connected components of `count` nodes with links i – j."""
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import connected_components
-
-    links = coo_array((np.ones(len(i), np.int32), (i, j)), shape=(count, count))
-    return np.asarray(connected_components(links, directed=False)[1], np.int64)
 
 
 def cleaned(points: Floats, faces: Ints) -> Cleaned:

@@ -11,7 +11,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from meshdepict.surface.edges import connected, edge_keys
+from meshdepict.surface.components import connected
+from meshdepict.surface.edges import edge_keys
 from meshdepict.surface.welding import same_position
 
 __all__ = ["Closed", "closed_gaps"]
@@ -94,10 +95,14 @@ def _shortest(points: Floats, key: Ints, rim: Ints) -> Floats:
 
 def _links(points: Floats, shortest: Floats, bound: float) -> tuple[Ints, Ints, float] | None:
     """Return pairs of points that are as good as one, and how far apart they are at most."""
+    company = _in_company(points, bound)
+    if len(company) < 2:
+        return None
+    if len(company) < len(points):
+        links = _links(points[company], shortest[company], bound)
+        return links and (company[links[0]], company[links[1]], links[2])
     from scipy.spatial import cKDTree
 
-    if len(points) < 2:
-        return None
     radius = np.minimum(bound, shortest / _LARGER)
     tree = cKDTree(points)
     # The first of the two is the point itself.
@@ -115,3 +120,21 @@ def _links(points: Floats, shortest: Floats, bound: float) -> tuple[Ints, Ints, 
     if not close.any():
         return None
     return i[close], j[close], float(distance[close].max())
+
+
+def _in_company(points: Floats, bound: float) -> Ints:
+    """Return points that others are near along each axis: all that have one within ``bound``.
+
+    Usually none is left, and nothing is to be searched for.
+    """
+    left = np.arange(len(points))
+    before = -1
+    while len(left) != before:
+        before = len(left)
+        for axis in range(3):
+            if len(left) == 0:
+                return left
+            order = np.argsort(points[left, axis], kind="stable")
+            near = np.diff(points[left[order], axis]) <= bound
+            left = left[np.sort(order[np.append(near, False) | np.append(False, near)])]
+    return left

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from meshdepict.errors import MeshdepictError
+from meshdepict.files.any_numbers import real_array
 from meshdepict.scene.vectors import frozen
 from meshdepict.surface.polygons import Polygons
 
@@ -32,14 +33,9 @@ def as_vertices(vertices: ArrayLike) -> Floats:
     MeshdepictError
         For another shape, other things than numbers, and none at all.
     """
-    try:
-        given = np.asarray(vertices)
-        if given.dtype.kind not in "biufO":  # NumPy would make numbers of texts and complex ones
-            raise TypeError
-        with np.errstate(over="ignore"):  # a quadruple's 1e4000 is infinite
-            array = np.array(given, dtype=np.float64, order="C")
-    except (TypeError, ValueError, OverflowError):
-        raise MeshdepictError("vertices must be an (n, 3) array of numbers") from None
+    array = real_array(vertices)
+    if array is None:
+        raise MeshdepictError("vertices must be an (n, 3) array of numbers")
     if array.ndim != 2 or array.shape[1] != 3:
         raise MeshdepictError(f"vertices must have shape (n, 3), not {array.shape}")
     if len(array) == 0:

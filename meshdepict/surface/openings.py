@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from meshdepict.surface.edges import cleaned, connected, is_balanced
+from meshdepict.surface.components import connected
+from meshdepict.surface.edges import cleaned, is_balanced
 
 __all__ = ["open_faces"]
 

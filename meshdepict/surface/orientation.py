@@ -14,7 +14,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from meshdepict.surface.edges import Edges, cleaned, connected, is_balanced
+from meshdepict.surface.components import connected
+from meshdepict.surface.edges import Edges, cleaned, is_balanced
 from meshdepict.surface.sidedness import looks_inward
 
 __all__ = ["Orientation", "orient"]
@@ -130,14 +131,14 @@ def _agreeing(edges: Edges, m: int) -> tuple[Bools, Ints]:
     Where that can't be (a Möbius strip), what agreed before still does, and the disagreement
     stays on short seams.
     """
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import minimum_spanning_tree
-
     first = edges.start[edges.count == 2]
     f, g = edges.face[first], edges.face[first + 1]
     agree = edges.forward[first] != edges.forward[first + 1]
     if agree.all():
         return np.zeros(m, bool), connected(m, f, g)
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import minimum_spanning_tree
+
     part = connected(m, f[agree], g[agree])
     parts = int(part.max()) + 1
     contacts = np.sort(np.stack((part[f[~agree]], part[g[~agree]])), axis=0)

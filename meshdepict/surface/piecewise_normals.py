@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshdepict.surface import triangles
-from meshdepict.surface.edges import connected
+from meshdepict.surface.components import connected
 from meshdepict.surface.planes import SHARP, Sides, side_keys, unit_vectors
 
 __all__ = ["PiecewiseNormals", "piecewise_normals"]

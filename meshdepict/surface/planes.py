@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from meshdepict.surface.edges import connected
+from meshdepict.surface.components import connected
 
 __all__ = ["SHARP", "Sides", "side_keys", "unit_vectors"]
 

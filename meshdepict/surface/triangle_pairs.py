@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from meshdepict.errors import MeshdepictError
 
-__all__ = ["LEAST_CELL", "paired"]
+__all__ = ["LEAST_CELL", "least_size", "paired"]
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -44,12 +44,10 @@ def paired(points: Floats, faces: Ints, size: int) -> Floats:
         Where the square hasn't room for so many.
     """
     count = len(faces)
-    cells = -(-count // 2)
-    if cells > (size // LEAST_CELL) ** 2:
-        needed = LEAST_CELL * int(np.ceil(np.sqrt(cells)))
+    if -(-count // 2) > (size // LEAST_CELL) ** 2:
         raise MeshdepictError(
             f"{count:,} triangles have no room on {size:,} x {size:,} texels: take --size "
-            f"{1 << (needed - 1).bit_length()} at least, or colours at vertices (meshdepict bake)"
+            f"{least_size(count)} at least, or colours at vertices (meshdepict bake)"
         )
     corners = points[faces]
     sides = np.linalg.norm(corners - np.roll(corners, -1, axis=1), axis=2)  # 01, 12, 20
@@ -80,6 +78,12 @@ def paired(points: Floats, faces: Ints, size: int) -> Floats:
         found[order, corner, 0] = (across[:, k] + 0.5) / size
         found[order, corner, 1] = 1 - (down[:, k] + 0.5) / size
     return found
+
+
+def least_size(count: int) -> int:
+    """Return the smallest power of two along the side of a square where so many have room."""
+    needed = LEAST_CELL * int(np.ceil(np.sqrt(-(-count // 2))))
+    return 1 << (needed - 1).bit_length()
 
 
 def _fitting(wanted: Floats, size: int) -> Ints:

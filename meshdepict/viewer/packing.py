@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from meshdepict.scene.view import View
     from meshdepict.shapes.mesh import Mesh
 
-__all__ = ["pack_mesh", "raised", "sight"]
+__all__ = ["differences", "pack_mesh", "raised", "sight"]
 
 _STEPS = 65535  # along the longest side of the box: 0.02 pixels where it fills 1,000
 
@@ -38,7 +38,7 @@ def pack_mesh(mesh: Mesh) -> tuple[bytes, dict[str, Any]]:
     positions = np.rint((mesh.vertices - low) * (_STEPS / longest)).astype("<u2")
     wide = len(mesh.vertices) > _STEPS + 1
     corners = mesh.faces.ravel().astype("<u4" if wide else "<u2")
-    packed = _differences(positions).tobytes() + _differences(corners).tobytes()
+    packed = differences(positions).tobytes() + differences(corners).tobytes()
     return packed, {
         "vertices": len(positions),
         "faces": len(mesh.faces),
@@ -66,5 +66,6 @@ def sight(view: View) -> dict[str, Any]:
     return {"frame": view.frame.tolist(), "focus": view.focus.tolist(), "scale": scale}
 
 
-def _differences(rows: NDArray[Any]) -> NDArray[Any]:
+def differences(rows: NDArray[Any]) -> NDArray[Any]:
+    """Return what each row (or number) is more than the one before, modulo its type's range."""
     return np.diff(rows, axis=0, prepend=np.zeros_like(rows[:1]))

@@ -118,7 +118,8 @@ class Session:
         self.function = find_method(method)
         self.method = self.function.__name__
         self._options.setdefault(self.method, {})
-        self._follows = dict(Look(self.function).of_kind(self.shape.kind).options)
+        same = Look(self.function, accuracy=self._asked.accuracy)
+        self._follows = dict(same.of_kind(self.shape.kind).options)
         if self._lit_from is not None:
             asked = self._asked.replace(method=self.function, light=None)
             self.light = asked.lighting(self._lit_from, self.shape.kind)
@@ -414,7 +415,7 @@ class Session:
         return self.baked().colors
 
 
-UNSHOWN = ("colormap2d", "blend", "tint", "albedo", "refine")
+UNSHOWN = ("colormap2d", "blend", "tint", "albedo", "refine", "budget")
 """What bakes have and sessions don't."""
 
 

@@ -25,7 +25,8 @@ Floats = NDArray[np.float64]
 Triple = tuple[int, int, int]
 """Along z, y and x."""
 
-_LARGEST = 1e150  # beyond it squares of coordinates overflow
+_LARGEST = 1e150  # beyond it squares of coordinates overflow, within its inverse they vanish
+_FARTHEST = 1e15  # sizes: from there on double precision knows a thousand places within the volume
 
 
 class Grid:
@@ -69,6 +70,16 @@ class Grid:
             reach = np.abs(self.outline).max()
         if not reach < _LARGEST:
             raise MeshdepictError(f"the volume reaches beyond {_LARGEST:g} in world coordinates")
+        if self.diagonal < 1 / _LARGEST:
+            raise MeshdepictError(
+                f"the volume is smaller than {1 / _LARGEST:g}, which leaves no room for computing: "
+                "give its spacing in another unit"
+            )
+        if reach > _FARTHEST * self.diagonal:
+            raise MeshdepictError(
+                f"the volume reaches {reach:g} from the origin, so far for its size of "
+                f"{self.diagonal:g} that voxels can't be told apart: move it nearer"
+            )
         if not isinstance(hounsfield, (bool, np.bool_)):
             raise MeshdepictError(f"hounsfield={hounsfield!r} is neither True nor False")
         self.hounsfield = bool(hounsfield)

@@ -21,6 +21,7 @@ __all__ = ["Scattered", "gradients_to_world", "in_voxels", "least_gradient", "pa
 _NONE = 1e-6
 
 _WIDEST = 4.0  # lengths of an axis
+_NARROWEST = 1e-6  # voxels
 
 
 def packed(
@@ -36,11 +37,13 @@ def packed(
 def in_voxels(width: float, grid: Grid) -> NDArray[np.float64]:
     """Return a width along z, y and x in voxels, at most a few lengths of the axes.
 
-    There everything has decayed, and the smallest gradient that counts must not do so, too.
+    There everything has decayed, and the smallest gradient that counts must not do so, too. A
+    Gaussian of next to no width is a point, of the width 0.
     """
     most = _WIDEST * np.array(grid.counts)
     with np.errstate(over="ignore"):
-        return np.minimum(width / grid.spacing[::-1], most)
+        found = np.minimum(width / grid.spacing[::-1], most)
+    return np.where(found < _NARROWEST, 0.0, found)
 
 
 def least_gradient(width: float, grid: Grid) -> float:

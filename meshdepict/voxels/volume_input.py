@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from meshdepict.errors import MeshdepictError
+from meshdepict.files.any_numbers import real_array
 
 __all__ = [
     "as_list",
@@ -121,12 +122,8 @@ def checked_direction(direction: ArrayLike) -> Floats:
 
 def _floats(numbers: ArrayLike) -> Floats:
     """Return real numbers as an array, an empty one where they are none."""
-    try:
-        if np.iscomplexobj(numbers):
-            return np.empty(0)
-        return np.array(numbers, np.float64)
-    except (TypeError, ValueError, OverflowError):
-        return np.empty(0)
+    array = real_array(numbers)
+    return np.empty(0) if array is None else array
 
 
 def as_list(numbers: Floats) -> str:

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from textured_shapes import globe, laid, sheet
 
+from meshdepict import samples
 from meshdepict.baking.atlases import atlas_of
 from meshdepict.baking.texture_choices import ATLASES
 from meshdepict.errors import MeshdepictError, MeshdepictWarning
-from meshdepict.shapes import samples
 from meshdepict.shapes.textures import Textures
 
 
@@ -101,11 +101,14 @@ def test_triangles_without_coordinates_are_counted():
         atlas_of(none, 128, "own")
 
 
-def test_coordinates_that_cover_no_texel_are_refused():
+def test_coordinates_that_cover_no_texel_are_replaced_with_a_note():
     mesh = sheet(3)
     for flat in (np.full_like(mesh.texcoords, 0.3), mesh.texcoords * (1, 0)):
-        with pytest.raises(MeshdepictError, match="cover no texel"):
-            atlas_of(laid(mesh, flat), 64)
+        with pytest.warns(MeshdepictWarning, match="cover no texel.*: a new atlas is made"):
+            found = atlas_of(laid(mesh, flat), 64)
+        assert np.array_equal(found.texcoords, atlas_of(mesh, 64, "new").texcoords)
+        with pytest.raises(MeshdepictError, match=r"cover no texel.*\(--atlas new\)"):
+            atlas_of(laid(mesh, flat), 64, "own")
 
 
 def test_surface_that_is_smaller_than_a_texel_is_said():

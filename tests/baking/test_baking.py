@@ -6,12 +6,11 @@ import pytest
 import pyvista as pv
 import trimesh
 
-from meshdepict import bake, color, read_mesh, scale_space, shading
+from meshdepict import bake, color, read_mesh, samples, scale_space, shading
 from meshdepict.baking.baked import Baked
 from meshdepict.baking.surfaces import as_mesh
 from meshdepict.errors import MeshdepictError
 from meshdepict.io import read_provenance, write_mesh
-from meshdepict.shapes import samples
 from meshdepict.shapes.mesh import Mesh
 from meshdepict.sums.gaussian import GaussianSums
 

@@ -5,12 +5,11 @@ import pytest
 from method_families import ON_MESHES
 
 import meshdepict as md
-from meshdepict import shading
+from meshdepict import samples, shading
 from meshdepict.baking.recipe import load_recipe
 from meshdepict.scene.names import as_lighting
 from meshdepict.scene.rig import Rig
 from meshdepict.shading import METHODS, declaration
-from meshdepict.shapes import samples
 from meshdepict.viewer.session import Session
 
 every_method = pytest.mark.parametrize("method", ON_MESHES)

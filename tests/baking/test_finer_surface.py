@@ -4,12 +4,11 @@ import numpy as np
 import pytest
 from textured_shapes import globe, laid, picture, sheet
 
-from meshdepict import color
+from meshdepict import color, samples
 from meshdepict.baking.finer_surface import FinerSurface
 from meshdepict.baking.textures import bake_texture
 from meshdepict.errors import MeshdepictError, MeshdepictWarning
 from meshdepict.scales.making import scale_space
-from meshdepict.shapes import samples
 from meshdepict.shapes.mesh import Mesh
 
 

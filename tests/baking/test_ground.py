@@ -8,9 +8,9 @@ import meshdepict as md
 from meshdepict.baking.recipe import load_recipe
 from meshdepict.drawing.picture import drawn
 from meshdepict.errors import MeshdepictError
+from meshdepict.samples.phantom import ct_phantom
 from meshdepict.scene.environment import Environment
 from meshdepict.scene.light import Light
-from meshdepict.shapes.phantom import ct_phantom
 
 MATT = {"ambient": 0.0, "diffuse": 1.0, "specular": 0.0}
 

@@ -7,9 +7,9 @@ import pytest
 from PIL import Image
 
 import meshdepict as md
+from meshdepict import samples
 from meshdepict.color.srgb import linear_to_srgb, srgb_to_linear
 from meshdepict.errors import MeshdepictError
-from meshdepict.shapes import samples
 from meshdepict.shapes.gbuffer import GBuffer
 
 UP = np.tile((0.0, 0.0, 1.0), (4, 6, 1))

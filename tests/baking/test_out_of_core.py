@@ -15,7 +15,7 @@ from meshdepict.baking.out_of_core import bake_out_of_core, lazy_rgba
 from meshdepict.baking.voxel_shading import voxel_shading
 from meshdepict.color.transfer import TransferFunction
 from meshdepict.errors import MeshdepictError
-from meshdepict.shapes.phantom import ct_phantom
+from meshdepict.samples.phantom import ct_phantom
 from meshdepict.shapes.place import Place
 from meshdepict.shapes.volume import Volume
 

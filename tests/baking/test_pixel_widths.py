@@ -7,13 +7,12 @@ import numpy as np
 import pytest
 
 import meshdepict as md
-from meshdepict import GBuffer, Look, MeshdepictError, View, scale_space
+from meshdepict import GBuffer, Look, MeshdepictError, View, samples, scale_space
 from meshdepict.baking.pixel_widths import measured
 from meshdepict.drawing.figure import Figure
 from meshdepict.drawing.framing import frame
 from meshdepict.scales.image_scales import image_space
 from meshdepict.scales.making import smooth_normals
-from meshdepict.shapes import samples
 from meshdepict.shapes.lengths import counts_pixels, pixel_size, resolve_width
 from meshdepict.viewer.session import Session
 

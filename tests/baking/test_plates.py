@@ -9,12 +9,11 @@ import pytest
 from PIL import Image
 
 import meshdepict as md
-from meshdepict import MeshdepictError
+from meshdepict import MeshdepictError, samples
 from meshdepict.baking import plate_groups
 from meshdepict.drawing.page import Block, Picture, Words
 from meshdepict.drawing.picture_files import read_picture_provenance
 from meshdepict.errors import MeshdepictWarning
-from meshdepict.shapes import samples
 
 SVG = "{http://www.w3.org/2000/svg}"
 SMALL = {"size": (400, 500)}

@@ -3,11 +3,10 @@ import re
 import numpy as np
 import pytest
 
-from meshdepict import __version__, bake, scale_space, shading
+from meshdepict import __version__, bake, samples, scale_space, shading
 from meshdepict.options import check, options_of
 from meshdepict.scene.light import Light
 from meshdepict.scene.view import View
-from meshdepict.shapes import samples
 from meshdepict.shapes.fingerprint import fingerprint
 from meshdepict.shapes.mesh import Mesh
 

@@ -10,11 +10,11 @@ import pytest
 from PIL import Image
 
 import meshdepict as md
+from meshdepict import samples
 from meshdepict.baking.recipe import load_recipe, save_recipe
 from meshdepict.color.transfer import preset
 from meshdepict.errors import MeshdepictError
 from meshdepict.scene.environment import Environment
-from meshdepict.shapes import samples
 
 ROW = bytes((2, 2, 0, 16)) + b"".join(bytes([16] + 16 * [v]) for v in (64, 64, 64, 127))
 HDR = b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 8 +X 16\n" + 8 * ROW

@@ -11,13 +11,13 @@ from meshdepict.baking.plane_sampling import with_sampled_planes
 from meshdepict.color.srgb import linear_to_srgb
 from meshdepict.errors import MeshdepictError
 from meshdepict.io import read_mesh
+from meshdepict.samples import sphere as make_sphere
+from meshdepict.samples import torus
 from meshdepict.scales.interpolated_scales import InterpolatedSpace
 from meshdepict.scales.mesh_scales import mesh_space
 from meshdepict.scales.smoothing import NormalSums
 from meshdepict.shading import METHODS, declaration
 from meshdepict.shapes.mesh import Mesh
-from meshdepict.shapes.samples import sphere as make_sphere
-from meshdepict.shapes.samples import torus
 from meshdepict.surface.edges import is_balanced
 from meshdepict.surface.splitting import edge_pairs, split_faces
 

@@ -7,13 +7,13 @@ import pytest
 from textured_shapes import globe, laid, picture, sheet
 
 import meshdepict as md
-from meshdepict import color
+from meshdepict import color, samples
+from meshdepict.baking.layer_list import Layer
 from meshdepict.baking.textures import bake_texture
 from meshdepict.errors import MeshdepictError, MeshdepictWarning
 from meshdepict.images.encoded import kind_of
 from meshdepict.scales.interpolated_scales import InterpolatedSpace
 from meshdepict.scales.making import scale_space
-from meshdepict.shapes import samples
 from meshdepict.shapes.gbuffer import GBuffer
 from meshdepict.shapes.mesh import Mesh
 from meshdepict.shapes.textures import Texture
@@ -186,6 +186,44 @@ def test_rays_leave_from_the_texels():
     shown = looked_up(baked, np.where(below, 0, 1), weights)[:, 0].reshape(2, 3)
     assert shown[1, 1] < shown[0, 0] - 50
     assert np.ptp(np.delete(shown.ravel(), 4)) < 3
+
+
+LIT = {"light": "west:30", "shadows": True, "bounces": 1}
+
+
+@pytest.fixture
+def patient(monkeypatch):
+    """The search for a number of rays takes what it takes: a busy machine would end it sooner."""
+    from meshdepict.shading import sampled
+
+    monkeypatch.setattr(sampled, "AUTO_SECONDS", np.inf)
+
+
+@pytest.mark.usefixtures("patient")
+def test_as_many_rays_as_it_takes_are_recorded_as_a_number_and_how_sure_light_is():
+    """Both are the vertices', which stand for the texels."""
+    bowl = sheet(12, height=lambda x, y: 0.3 * np.sin(9 * x + y))
+    for rays in ("auto", 16):
+        at_vertices = md.bake(bowl, "lambert", rays=rays, **LIT)
+        baked = bake_texture(bowl, "lambert", size=64, rays=rays, **LIT)
+        for name in ("rays auto", "light error", "options"):
+            assert baked.provenance.get(name) == at_vertices.provenance.get(name)
+        assert isinstance(baked.look.options["rays"], int)
+        assert ("rays auto" in baked.provenance) == (rays == "auto")
+        assert baked.provenance["light error"] != "0 grey levels"
+    plain = bake_texture(bowl, "lambert", size=64)
+    assert "light error" not in plain.provenance
+
+
+@pytest.mark.usefixtures("patient")
+def test_layers_find_their_rays_too():
+    bowl = sheet(8, height=lambda x, y: 0.3 * np.sin(9 * x + y))
+    lit = {"shadows": True, "bounces": 1, "rays": "auto"}
+    blend = [Layer("lambert", options=lit), Layer("phong", "multiply", 0.5)]
+    baked = bake_texture(bowl, size=64, blend=blend, light="west:30")
+    said = baked.provenance["blend"]
+    assert said == md.bake(bowl, blend=blend, light="west:30").provenance["blend"]
+    assert "auto" not in said
 
 
 # --- normal maps, colours of its own ------------------------------------------------------------

@@ -7,11 +7,11 @@ import meshdepict as md
 from meshdepict.errors import MeshdepictError, MeshdepictWarning
 from meshdepict.files import limits
 from meshdepict.options import options_of
+from meshdepict.samples.phantom import ct_phantom
 from meshdepict.scene.environment import Environment
 from meshdepict.scene.light import Light
 from meshdepict.shading import METHODS
 from meshdepict.shading.method import declaration
-from meshdepict.shapes.phantom import ct_phantom
 from meshdepict.transport import transfer
 
 SIDE = (-1.0, 0.4, 0.3)

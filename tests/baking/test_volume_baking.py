@@ -10,9 +10,9 @@ from meshdepict.baking.look import bake_volume
 from meshdepict.baking.volumes import BakedVolume
 from meshdepict.color.transfer import TransferFunction
 from meshdepict.errors import MeshdepictError
+from meshdepict.samples.phantom import ct_phantom
 from meshdepict.scales.grid_making import grid_space, sample_bytes
 from meshdepict.shading import METHODS, declaration
-from meshdepict.shapes.phantom import ct_phantom
 from meshdepict.shapes.volume import Volume
 
 BONE = TransferFunction([(200, 0, (1, 0.9, 0.8)), (400, 0.5, (0.5, 0.8, 1))], name="bone-like")

@@ -6,7 +6,7 @@ import pytest
 from meshdepict.color.transfer import PRESETS, TransferFunction, for_volume, landmarks, preset
 from meshdepict.errors import MeshdepictError, MeshdepictWarning
 from meshdepict.io.volumes import read_volume
-from meshdepict.shapes.phantom import ct_phantom
+from meshdepict.samples.phantom import ct_phantom
 from meshdepict.shapes.volume import Volume
 
 POINTS = [

@@ -4,12 +4,11 @@ import numpy as np
 import pytest
 
 import meshdepict as md
-from meshdepict import threads
+from meshdepict import samples, threads
 from meshdepict.commands import report
 from meshdepict.io import write_mesh
 from meshdepict.options import options_of
 from meshdepict.shading import METHODS, declaration
-from meshdepict.shapes import samples
 
 # --- methods --------------------------------------------------------------------------------------
 

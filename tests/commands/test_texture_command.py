@@ -5,11 +5,11 @@ import pytest
 from PIL import Image
 from textured_shapes import globe, sheet
 
+from meshdepict import samples
 from meshdepict.baking.recipe import load_recipe
 from meshdepict.baking.textures import bake_texture
 from meshdepict.cli import main
 from meshdepict.io import read_mesh, read_provenance, write_mesh
-from meshdepict.shapes import samples
 
 
 @pytest.fixture

@@ -4,7 +4,7 @@ import pytest
 
 from meshdepict.baking.recipe import save_recipe
 from meshdepict.io.volumes import write_volume
-from meshdepict.shapes.phantom import ct_phantom
+from meshdepict.samples.phantom import ct_phantom
 
 pytest.importorskip("pyvista")
 

@@ -352,3 +352,10 @@ def test_terrain_is_compared_pixel_by_pixel_as_any_picture(hill):
 def test_a_mesh_has_no_factor_of_heights(ball):
     with pytest.raises(MeshdepictError, match="z_factor is about a height field"):
         md.compare(ball, ["lambert"], z_factor=2)
+
+
+def test_a_comparison_is_a_line_at_the_prompt(found):
+    text = repr(found)
+    assert len(text) < 400
+    best = max(zip(found.means, found.methods, strict=True))
+    assert f"lights: {best[1]} {best[0]:.3f}" in text

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from exact_surfaces import SURFACES
 
+from meshdepict import samples
 from meshdepict.curvature import principal_curvatures
 from meshdepict.curvature.discrete import angle_defects, mean_curvature_normals
 from meshdepict.curvature.frames import halved_angle, tangents
-from meshdepict.shapes import samples
 from meshdepict.shapes.mesh import Mesh
 
 

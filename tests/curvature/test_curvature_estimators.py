@@ -5,9 +5,9 @@ import pytest
 from conftest import rotation
 from exact_surfaces import SURFACES, sphere
 
+from meshdepict import samples
 from meshdepict.curvature import ESTIMATORS, principal_curvatures
 from meshdepict.errors import MeshdepictError
-from meshdepict.shapes import samples
 from meshdepict.shapes.mesh import Mesh
 
 DIRECTED = ("tensor", "quadric")

@@ -4,9 +4,8 @@ import numpy as np
 import pytest
 from exact_surfaces import SURFACES
 
-from meshdepict import scale_space, threads
+from meshdepict import samples, scale_space, threads
 from meshdepict.curvature import principal_curvatures
-from meshdepict.shapes import samples
 from meshdepict.shapes.mesh import Mesh
 
 

@@ -7,12 +7,11 @@ import pytest
 from conftest import rotation
 from exact_surfaces import SURFACES, graph
 
-from meshdepict import curvature, scale_space
+from meshdepict import curvature, samples, scale_space
 from meshdepict.curvature.principal import PrincipalCurvatures
 from meshdepict.curvature.view import conductance, eye_frames, view_hessian, view_tensor
 from meshdepict.errors import MeshdepictError
 from meshdepict.scene.view import View
-from meshdepict.shapes import samples
 from meshdepict.shapes.mesh import Mesh
 
 FORESHORTENINGS = [0.0, 0.4, 1.0, 2.0]

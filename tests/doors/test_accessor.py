@@ -16,10 +16,9 @@ import pyvista as pv
 from conftest import PATIENCE
 
 import meshdepict as md
-from meshdepict import MeshdepictError, accessor
+from meshdepict import MeshdepictError, accessor, samples
 from meshdepict.options import options_of
 from meshdepict.shading import METHODS
-from meshdepict.shapes import samples
 from meshdepict.shapes.sheet import height_sheet, scalar_array
 
 ROOT = Path(__file__).resolve().parents[2]

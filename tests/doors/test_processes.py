@@ -13,10 +13,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from meshdepict import samples
 from meshdepict.baking.targets import identities, identity
 from meshdepict.files import limits
 from meshdepict.io import write_mesh
-from meshdepict.shapes import samples
 from meshdepict.viewer.browser.redirect import redirect
 
 posix = pytest.mark.skipif(os.name != "posix", reason="needs POSIX's signals and files")
@@ -177,7 +177,7 @@ def test_an_output_that_is_a_link_to_an_input_needs_force(run, folder, link):
 def test_a_ct_is_not_written_over_by_its_bake(run, folder):
     pytest.importorskip("SimpleITK")
     from meshdepict.io.volumes import write_volume
-    from meshdepict.shapes.phantom import ct_phantom
+    from meshdepict.samples.phantom import ct_phantom
 
     volume = ct_phantom((12, 12, 12))
     write_volume("ct.nrrd", volume.values, volume, comments=["meshdepict phantom"])

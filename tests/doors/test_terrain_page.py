@@ -10,8 +10,8 @@ import pytest
 from house import ROOT
 
 from meshdepict.cli import main
+from meshdepict.samples import terrain
 from meshdepict.shading import METHODS
-from meshdepict.shapes.samples import terrain
 
 PAGE = (ROOT / "docs" / "terrain.md").read_text(encoding="utf-8")
 SIDE = 64  # cells, of six metres

@@ -9,10 +9,10 @@ import pytest
 from house import ROOT
 from textured_shapes import globe, picture
 
+from meshdepict import samples
 from meshdepict.baking.textures import bake_texture
 from meshdepict.cli import main
 from meshdepict.io import write_mesh
-from meshdepict.shapes import samples
 
 PAGE = (ROOT / "docs" / "textures.md").read_text(encoding="utf-8")
 

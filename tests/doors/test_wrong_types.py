@@ -12,18 +12,17 @@ import numpy as np
 import pytest
 
 import meshdepict as md
-from meshdepict import color, threads
+from meshdepict import color, samples, threads
 from meshdepict.color.transfer import for_volume, preset
 from meshdepict.color.transfer_function import TransferFunction
 from meshdepict.drawing.figure import Figure
 from meshdepict.errors import MeshdepictError
 from meshdepict.options import options_of, real
+from meshdepict.samples.phantom import ct_phantom
 from meshdepict.scene.environment import Environment
 from meshdepict.shading import METHODS
-from meshdepict.shapes import samples
 from meshdepict.shapes.gbuffer import GBuffer
 from meshdepict.shapes.isosurface import isosurface
-from meshdepict.shapes.phantom import ct_phantom
 from meshdepict.shapes.volume import Volume
 from meshdepict.viewer.session import Session
 

@@ -4,10 +4,9 @@ import numpy as np
 import pytest
 
 import meshdepict as md
-from meshdepict import MeshdepictError
+from meshdepict import MeshdepictError, samples
 from meshdepict.drawing.arrangement import MAIN, TURNS, arranged, turn_names
 from meshdepict.scene.view import VIEWS, View, named_directions
-from meshdepict.shapes import samples
 
 
 @pytest.fixture(scope="module")

@@ -7,7 +7,7 @@ import pytest
 from PIL import Image, ImageSequence
 
 import meshdepict as md
-from meshdepict import MeshdepictError
+from meshdepict import MeshdepictError, samples
 from meshdepict.drawing import encoding
 from meshdepict.drawing.encoding import (
     gif_speed,
@@ -19,7 +19,6 @@ from meshdepict.drawing.figure import Figure
 from meshdepict.drawing.motion import circling, rotation, turned, turned_light
 from meshdepict.drawing.movie import check_movie, save_movie
 from meshdepict.scene.light import Lights
-from meshdepict.shapes import samples
 from meshdepict.viewer.session import Session
 
 SMALL = Figure(size=(60, 50))

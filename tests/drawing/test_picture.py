@@ -10,9 +10,8 @@ from conftest import PATIENCE
 from PIL import Image
 
 import meshdepict as md
-from meshdepict import MeshdepictError
+from meshdepict import MeshdepictError, samples
 from meshdepict.drawing.picture_files import check_picture, read_picture_provenance
-from meshdepict.shapes import samples
 
 
 def pixels(path):

@@ -5,12 +5,11 @@ import pytest
 from PIL import Image
 
 import meshdepict as md
-from meshdepict import MeshdepictError
+from meshdepict import MeshdepictError, samples
 from meshdepict.drawing.canvas import on_ground
 from meshdepict.drawing.figure import Figure
 from meshdepict.drawing.framing import frame
 from meshdepict.drawing.picture import finished
-from meshdepict.shapes import samples
 
 
 @pytest.mark.parametrize(

@@ -12,14 +12,13 @@ import pytest
 from PIL import Image
 
 import meshdepict as md
-from meshdepict import MeshdepictError
+from meshdepict import MeshdepictError, samples
 from meshdepict.baking.targets import check_target
 from meshdepict.drawing.figure import Figure
 from meshdepict.drawing.framing import caption_lines
 from meshdepict.drawing.page import Block, Page, Words, paint
 from meshdepict.drawing.picture import caption_words
 from meshdepict.drawing.picture_files import check_picture, read_picture_provenance, write_page
-from meshdepict.shapes import samples
 
 SUFFIXES = (".png", ".jpg", ".jpeg", ".svg", ".pdf")
 SVG = "{http://www.w3.org/2000/svg}"

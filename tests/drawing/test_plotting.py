@@ -7,9 +7,8 @@ import pytest
 from PIL import Image
 
 import meshdepict as md
-from meshdepict import MeshdepictError
+from meshdepict import MeshdepictError, samples
 from meshdepict.drawing import canvas, plotting
-from meshdepict.shapes import samples
 
 
 @pytest.fixture(scope="module")

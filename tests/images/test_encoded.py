@@ -210,6 +210,29 @@ def test_rasterio_agrees_about_tiff_of_16_bits(recwarn):
     recwarn.clear()  # that it lies nowhere on a map
 
 
+@pytest.mark.parametrize("how", [{"predictor": 1}, {"predictor": 2}, {"tiled": True}])
+@pytest.mark.parametrize("packing", ["lzw", "packbits"])
+@pytest.mark.parametrize("endian", ["little", "big"])
+def test_packed_tiff_of_16_bits_as_rasterio_writes_it(packing, how, endian, recwarn):
+    memory = pytest.importorskip("rasterio.io").MemoryFile
+    pixels = picture(3, np.uint16, (37, 53))
+    pixels[:9] = 1234  # what can be packed
+    words = {"driver": "GTiff", "count": 3, "dtype": "uint16", "height": 37, "width": 53}
+    words |= {"compress": packing, "endianness": endian, "interleave": "pixel"} | how
+    if how.get("tiled"):
+        words |= {"blockxsize": 16, "blockysize": 16}
+    with memory() as file:
+        with file.open(**words) as raster:
+            raster.write(np.moveaxis(pixels, 2, 0))
+        data = file.read()
+    found = decode(data)
+    assert found.dtype == np.uint16
+    np.testing.assert_array_equal(found, pixels)
+    with pytest.raises(MeshdepictError, match="can't be read as a picture"):
+        decode(data[: len(data) - 400])
+    recwarn.clear()  # that it lies nowhere on a map
+
+
 def test_grey_of_16_bits_floats_and_palettes():
     grey = picture(1, np.uint16)
     written = io.BytesIO()
@@ -236,7 +259,7 @@ def test_what_is_no_picture_is_one_sentence():
     whole = [encode(picture()), encode(picture(3, np.uint16)), encode(smooth(), "jpeg")]
     cut = [data[: len(data) // 2] for data in whole]
     deep = deep_tiff(picture(3, np.uint16), "<", rows=5, deflate=True)
-    packings = [struct.pack("<HHII", 259, 4, 1, packing) for packing in (8, 5)]
+    packings = [struct.pack("<HHII", 259, 4, 1, packing) for packing in (8, 7)]
     odd = [deep[:-40], deep[:30], deep.replace(*packings)]
     for data in (b"", b"GIF8", *cut, *odd):
         with pytest.raises(MeshdepictError, match=r"^(can't be read as a picture \(|is a TIFF)"):

@@ -8,11 +8,11 @@ import pytest
 from PIL import Image
 from textured_shapes import globe, sheet
 
+from meshdepict import samples
 from meshdepict.baking.textures import bake_texture
 from meshdepict.errors import MeshdepictError
-from meshdepict.io import read_mesh, read_provenance
+from meshdepict.io import read_mesh, read_provenance, write_mesh
 from meshdepict.io.textured import TEXTURED, write_textured
-from meshdepict.shapes import samples
 from meshdepict.shapes.mesh import Mesh
 
 
@@ -76,24 +76,43 @@ def test_a_glb_keeps_its_own_scene_beside_and_a_later_bake_replaces_the_texture(
     assert header(third) == header(second)
 
 
-def test_trimesh_reads_the_texture(baked, tmp_path):
+def middles(points, texcoords, faces):
+    """Places and coordinates in the middle of triangles, in an order of their own."""
+    rows = np.column_stack([points[faces].mean(axis=1), texcoords[faces].mean(axis=1)])
+    return rows[np.lexsort(np.round(rows, 4).T)]
+
+
+def agree(baked, points, texcoords, faces):
+    """The same coordinates at the same places."""
+    count = len(baked.mesh.faces)
+    own = np.arange(3 * count).reshape(-1, 3)
+    corners = baked.mesh.vertices[baked.mesh.faces].reshape(-1, 3)
+    wanted = middles(corners, baked.texcoords.reshape(-1, 2), own)
+    np.testing.assert_allclose(middles(points, texcoords, faces), wanted, atol=2e-6)
+
+
+@pytest.mark.parametrize("suffix", [".glb", ".obj", ".ply"])
+def test_trimesh_reads_the_texture(baked, tmp_path, suffix):
     trimesh = pytest.importorskip("trimesh")
-    for suffix in (".glb", ".obj"):
-        path = baked.save(tmp_path / f"ball{suffix}")
-        found = trimesh.load(path, force="mesh", process=False)
-        shown = found.visual.material
-        image = getattr(shown, "baseColorTexture", None) or getattr(shown, "image", None)
-        assert np.array_equal(np.asarray(image.convert("RGB")), baked.image)
+    path = baked.save(tmp_path / f"ball{suffix}")
+    found = trimesh.load(path, force="mesh", process=False)
+    shown = found.visual.material
+    image = getattr(shown, "baseColorTexture", None) or getattr(shown, "image", None)
+    assert np.array_equal(np.asarray(image.convert("RGB")), baked.image)
+    agree(baked, found.vertices, found.visual.uv, found.faces)
 
 
-def test_vtk_reads_the_texture_of_a_glb(baked, tmp_path):
+@pytest.mark.parametrize("suffix", [".glb", ".obj", ".ply"])
+def test_vtk_reads_the_coordinates(baked, tmp_path, suffix):
     import pyvista as pv
 
-    block = pv.read(baked.save(tmp_path / "ball.glb"))
+    block = pv.read(baked.save(tmp_path / f"ball{suffix}"))
     while isinstance(block, pv.MultiBlock):
         block = block[0]
-    assert block.n_cells == len(baked.mesh.faces)
-    assert block.active_texture_coordinates is not None
+    places = np.array(block.active_texture_coordinates)
+    if suffix == ".glb":  # whose v is down
+        places = places * (1, -1) + (0, 1)
+    agree(baked, np.array(block.points), places, block.regular_faces)
 
 
 def test_obj_keeps_polygons_and_names_a_material_and_a_picture_beside(tmp_path):
@@ -111,7 +130,9 @@ def test_obj_keeps_polygons_and_names_a_material_and_a_picture_beside(tmp_path):
     path = baked.save(tmp_path / "out.obj")
     text = path.read_text()
     assert "mtllib out.mtl" in text
-    assert "old" not in text.split("v ", 1)[1]
+    assert "old.mtl" not in text
+    assert "usemtl old" in text
+    assert "newmtl old\n" in (tmp_path / "out.mtl").read_text()
     assert [len(line.split()) - 1 for line in text.splitlines() if line.startswith("f ")] == [4, 3]
     assert "map_Kd out.png" in (tmp_path / "out.mtl").read_text()
     assert sorted(p.name for p in tmp_path.iterdir()) == [
@@ -172,3 +193,26 @@ def test_a_failure_leaves_nothing_half_written(baked, tmp_path, monkeypatch):
         with pytest.raises(MeshdepictError, match="no such folder"):
             baked.save(tmp_path / f"ball{suffix}")
     assert not list(tmp_path.iterdir())
+
+
+# --- colours of vertices beside a baked texture ---------------------------------------------------
+
+
+@pytest.mark.parametrize("suffix", [".glb", ".gltf", ".ply", ".obj"])
+def test_own_colours_stay_the_objects_beside_a_baked_texture(tmp_path, suffix):
+    """Baked once more, the file is shaded in the colours that it had, and not refused."""
+    flat = sheet(4)
+    rng = np.random.default_rng(5)
+    own = dict(zip(("red", "green", "blue"), rng.integers(0, 256, (3, 25), np.uint8), strict=True))
+    mesh = Mesh(flat.vertices, flat.faces, attributes={"vertex": own}).with_textures(flat.textures)
+    write_mesh(tmp_path / f"own{suffix}", mesh)
+    given = read_mesh(tmp_path / f"own{suffix}")
+    words = {"size": 64, "albedo": "keep", "light": (0, 0, 1)}
+    first = bake_texture(given, "lambert", **words)
+    again = read_mesh(first.save(tmp_path / f"baked{suffix}"))
+    assert read_provenance(tmp_path / f"baked{suffix}")
+    assert not again.document.is_recolored
+    if suffix in (".glb", ".gltf"):
+        assert np.array_equal(bake_texture(again, "lambert", **words).image, first.image)
+    found = again.attributes["vertex"]
+    assert all(np.abs(found[name].astype(int) - own[name]).max() <= 1 for name in own)

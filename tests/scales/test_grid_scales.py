@@ -8,10 +8,10 @@ from conftest import angle_between, rotation
 
 from meshdepict.color.transfer import TransferFunction
 from meshdepict.errors import MeshdepictError
+from meshdepict.samples.phantom import ct_phantom
 from meshdepict.scales.grid_making import grid_space
 from meshdepict.scales.grid_scales import GridSpace
 from meshdepict.shading import METHODS, declaration
-from meshdepict.shapes.phantom import ct_phantom
 from meshdepict.shapes.volume import Volume
 from meshdepict.voxels.length_unit import MILLIMETRES
 

@@ -5,7 +5,7 @@ import pytest
 from conftest import angle_between, rotation
 from method_families import ON_MESHES
 
-from meshdepict import scale_space
+from meshdepict import samples, scale_space
 from meshdepict.errors import MeshdepictError
 from meshdepict.options import options_of
 from meshdepict.scales.diffusion import diffusion_width
@@ -13,7 +13,6 @@ from meshdepict.scales.image_scales import FILTERS, image_space
 from meshdepict.scene.names import as_light
 from meshdepict.scene.view import View
 from meshdepict.shading import METHODS, declaration
-from meshdepict.shapes import samples
 from meshdepict.shapes.gbuffer import GBuffer
 
 every_method = pytest.mark.parametrize("method", ON_MESHES)

@@ -4,11 +4,10 @@ import numpy as np
 import pytest
 from conftest import angle_between, rotation
 
-from meshdepict import scale_space, smooth_normals
+from meshdepict import samples, scale_space, smooth_normals
 from meshdepict.errors import MeshdepictError, MeshdepictWarning
 from meshdepict.scales import mesh_scales
 from meshdepict.scene.view import View
-from meshdepict.shapes import samples
 from meshdepict.shapes.lengths import resolve_width
 from meshdepict.shapes.mesh import Mesh
 

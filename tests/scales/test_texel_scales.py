@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 from textured_shapes import globe, laid, picture, sheet
 
+from meshdepict import samples
 from meshdepict.scales.interpolated_scales import InterpolatedSpace
 from meshdepict.scales.making import scale_space
 from meshdepict.scales.mapped_normals import NormalMaps
 from meshdepict.scales.texel_scales import TexelSpace
-from meshdepict.shapes import samples
 from meshdepict.shapes.mesh import Mesh
 from meshdepict.shapes.textures import Textures
 
@@ -46,7 +46,7 @@ def test_where_corners_cancel_the_nearest_ones_normal_is_taken():
 
 
 def test_texels_cast_their_own_rays():
-    mesh = samples.golf_ball(900)
+    mesh = sheet(8, height=lambda x, y: 0.2 * np.sin(9 * x + y))
     space = scale_space(mesh, scales=0)
     triangle, weights = places(mesh, 50)
     texels = TexelSpace(space, mesh.faces[triangle], weights)

@@ -8,13 +8,12 @@ import pytest
 from conftest import rotation
 
 import meshdepict as md
-from meshdepict import shading
+from meshdepict import samples, shading
 from meshdepict.color import linear_to_srgb
 from meshdepict.scene.light import Light
 from meshdepict.scene.names import as_light, as_lighting, as_lights
 from meshdepict.scene.rig import RIGS, Rig
 from meshdepict.scene.view import View
-from meshdepict.shapes import samples
 
 every_rig = pytest.mark.parametrize("name", RIGS)
 

@@ -2,12 +2,12 @@ import numpy as np
 import pytest
 from conftest import rotation
 
+from meshdepict import samples
 from meshdepict.errors import MeshdepictError
 from meshdepict.scene.light import Light
 from meshdepict.scene.names import LIGHTS, as_light, as_view, light_angles
 from meshdepict.scene.upright import UPS
 from meshdepict.scene.view import VIEWS, View, named_directions
-from meshdepict.shapes import samples
 from meshdepict.shapes.mesh import Mesh
 
 SQRT3 = 3**0.5

@@ -3,11 +3,10 @@
 import numpy as np
 import pytest
 
-from meshdepict import MeshdepictError, scale_space, shading
+from meshdepict import MeshdepictError, samples, scale_space, shading
 from meshdepict.color.srgb import srgb_to_linear
 from meshdepict.scene.light import Light
 from meshdepict.scene.material import LitSphere, soft_steps
-from meshdepict.shapes import samples
 
 
 @pytest.fixture(scope="module")

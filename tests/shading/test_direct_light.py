@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from meshdepict import Environment, MeshdepictError, scale_space, shading
+from meshdepict import Environment, MeshdepictError, samples, scale_space, shading
 from meshdepict.scene.light import Light
 from meshdepict.scene.material import (
     AshikhminShirley,
@@ -24,7 +24,6 @@ from meshdepict.shading.direct import direct
 from meshdepict.shading.features import Frames, Scaling, eyes, features
 from meshdepict.shading.light_warping import jacobian, unwarp, warp_scale
 from meshdepict.shading.radiance_scaling import scaling
-from meshdepict.shapes import samples
 
 MATERIALS = [
     Lambert(0.8),

@@ -3,12 +3,11 @@
 import numpy as np
 import pytest
 
-from meshdepict import scale_space, threads
+from meshdepict import samples, scale_space, threads
 from meshdepict.errors import MeshdepictError
 from meshdepict.shading import exaggerated
 from meshdepict.shading.bands import SINGULAR_LIGHT, band_weights
 from meshdepict.shading.exaggerated import local_light, soft_toon
-from meshdepict.shapes import samples
 
 DEFAULT = 15.0  # exaggeration
 ROUNDING = 2.0**-24  # of single precision

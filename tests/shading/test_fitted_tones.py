@@ -6,6 +6,7 @@ import pyvista as pv
 from scipy.ndimage import gaussian_filter
 
 import meshdepict as md
+from meshdepict import samples
 from meshdepict.scales.interpolated_scales import InterpolatedSpace
 from meshdepict.scales.seen_side import SeenSide
 from meshdepict.scene.names import as_light
@@ -23,7 +24,6 @@ from meshdepict.shading.fitted_tones import (
     flatness,
     tone_moments,
 )
-from meshdepict.shapes import samples
 from meshdepict.surface.icosahedron import icosphere
 
 TODAY = {"exaggeration": 15.0}  # one for all scales, and the paper's base coat

@@ -4,14 +4,13 @@ import numpy as np
 import pytest
 
 import meshdepict as md
-from meshdepict import scale_space, shading
+from meshdepict import samples, scale_space, shading
 from meshdepict.options import options_of
 from meshdepict.scene.names import as_view
 from meshdepict.scene.view import View
 from meshdepict.shading import METHODS
 from meshdepict.shading.light_warping import warp_scale
 from meshdepict.shading.radiance_scaling import scaling
-from meshdepict.shapes import samples
 from meshdepict.viewer.live import LiveShading
 
 SHADING = [

@@ -5,6 +5,7 @@ import pytest
 
 import meshdepict as md
 from meshdepict import MeshdepictError
+from meshdepict.samples.phantom import ct_phantom
 from meshdepict.scene.environment import Environment
 from meshdepict.scene.light import Light
 from meshdepict.scene.material import Refractive, refracted, towards_visible
@@ -14,7 +15,6 @@ from meshdepict.shading.exit_kernel import exit_lobe
 from meshdepict.shading.glass import facet_height
 from meshdepict.shading.seen_through import turned_guides
 from meshdepict.shading.transmission import facet_density, fresnel, rough_transmission
-from meshdepict.shapes.phantom import ct_phantom
 
 ETA = 1.5
 EYE = View((0, 0, 5), (0, 0, 0), (0, 1, 0), parallel_scale=1.3)

@@ -5,13 +5,12 @@ import pytest
 from PIL import Image
 
 import meshdepict as md
-from meshdepict import Look, MeshdepictError, View, scale_space, shading
+from meshdepict import Look, MeshdepictError, View, samples, scale_space, shading
 from meshdepict.options import Range, Samples, Values, check, options_of
 from meshdepict.scales.interpolated_scales import InterpolatedSpace
 from meshdepict.scene.names import as_view
 from meshdepict.shading.features import features
 from meshdepict.shading.importance import importance_at
-from meshdepict.shapes import samples
 from meshdepict.shapes.mesh import Mesh
 from meshdepict.viewer.session import Session
 

@@ -1,9 +1,8 @@
 import numpy as np
 import pytest
 
-from meshdepict import scale_space
+from meshdepict import samples, scale_space
 from meshdepict.shading import declaration, half_lambert, lambert
-from meshdepict.shapes import samples
 
 
 @pytest.fixture(scope="module")

@@ -3,13 +3,12 @@
 import numpy as np
 import pytest
 
-from meshdepict import Environment, MeshdepictError, scale_space, shading
+from meshdepict import Environment, MeshdepictError, samples, scale_space, shading
 from meshdepict.scene.light import Light
 from meshdepict.scene.material import Mirror, Refractive, Toon, soft_steps
 from meshdepict.scene.names import as_view
 from meshdepict.shading.features import features
 from meshdepict.shading.light_warping import warp, warp_scale
-from meshdepict.shapes import samples
 
 MATERIALS = ["lambert", "sub_lambert", "phong", "cook_torrance", "ashikhmin_shirley", "toon"]
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import meshdepict as md
-from meshdepict import Environment, scale_space, shading, threads
+from meshdepict import Environment, samples, scale_space, shading, threads
 from meshdepict.color.srgb import linear_to_srgb
 from meshdepict.scene.light import Light
 from meshdepict.scene.material import AshikhminShirley, CookTorrance, Phong, reflected
@@ -12,7 +12,6 @@ from meshdepict.shading.direct import kernel_parameters
 from meshdepict.shading.light_alignment import align
 from meshdepict.shading.lobe_alignment_kernel import undo
 from meshdepict.shading.lobes import needs_samples
-from meshdepict.shapes import samples
 
 GLOSSY = [
     Phong(0, 0, 0.3, 60), CookTorrance(0, 0.2, 0.3), AshikhminShirley(0, 0.2, 20),

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from conftest import rotation
 
-from meshdepict import scale_space
+from meshdepict import samples, scale_space
 from meshdepict.curvature import principal
 from meshdepict.errors import MeshdepictError
 from meshdepict.shading import exaggerated
@@ -12,7 +12,6 @@ from meshdepict.shading.attention import remoteness
 from meshdepict.shading.bands import SINGULAR_LIGHT, band_weights
 from meshdepict.shading.exaggerated import soft_toon
 from meshdepict.shading.principal_light import principal_light
-from meshdepict.shapes import samples
 from meshdepict.shapes.mesh import Mesh
 
 LIGHT = np.array([-1.0, 2.0, 3.0]) / 14**0.5

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import meshdepict as md
-from meshdepict import Environment, MeshdepictError, View, scale_space, shading
+from meshdepict import Environment, MeshdepictError, View, samples, scale_space, shading
 from meshdepict.scene.light import Light
 from meshdepict.scene.material import (
     AshikhminShirley,
@@ -19,7 +19,6 @@ from meshdepict.scene.material import (
     towards_visible,
 )
 from meshdepict.shading.radiance_scaling import scaling
-from meshdepict.shapes import samples
 
 GRAYS = ["lambert", "half_lambert", "sub_lambert", "phong", "cook_torrance", "ashikhmin_shirley"]
 

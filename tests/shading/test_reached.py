@@ -11,6 +11,7 @@ from meshdepict import shading
 from meshdepict.color.srgb import linear_to_srgb
 from meshdepict.errors import MeshdepictError, MeshdepictWarning
 from meshdepict.options import options_of
+from meshdepict.samples.phantom import ct_phantom
 from meshdepict.scales.chosen_samples import ChosenSamples
 from meshdepict.scales.interpolated_scales import InterpolatedSpace
 from meshdepict.scene.environment import Environment
@@ -19,7 +20,6 @@ from meshdepict.scene.material import AshikhminShirley, CookTorrance, Lambert, P
 from meshdepict.scene.view import View
 from meshdepict.shading import METHODS
 from meshdepict.shading.hidden_light import albedo, matt
-from meshdepict.shapes.phantom import ct_phantom
 from meshdepict.transport import rays as transport_rays
 from meshdepict.transport import shadows, transfer
 

@@ -4,11 +4,10 @@ import numpy as np
 import pytest
 
 import meshdepict as md
-from meshdepict import Environment, MeshdepictError, scale_space
+from meshdepict import Environment, MeshdepictError, samples, scale_space
 from meshdepict.shading import light_alignment
 from meshdepict.shading.seen_through import background_light, transmitted_guides
 from meshdepict.shading.transmission import facet_density, fresnel, refracted, rough_transmission
-from meshdepict.shapes import samples
 from meshdepict.viewer.live import LiveShading
 
 EYE = np.array([[0], [0], [1.0]])

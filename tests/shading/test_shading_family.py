@@ -7,7 +7,7 @@ import pytest
 from conftest import DATA, rotation, tetrahedron
 from method_families import ON_MESHES, ON_RASTERS
 
-from meshdepict import scale_space, shading
+from meshdepict import samples, scale_space, shading
 from meshdepict.errors import MeshdepictError
 from meshdepict.options import check, options_of
 from meshdepict.scales.mesh_scales import MeshSpace
@@ -15,7 +15,6 @@ from meshdepict.scene.light import Light
 from meshdepict.scene.view import View
 from meshdepict.shading import METHODS, declaration
 from meshdepict.shading.method import NEEDS
-from meshdepict.shapes import samples
 from meshdepict.shapes.mesh import Mesh
 
 every_method = pytest.mark.parametrize("method", METHODS)

@@ -4,10 +4,9 @@ import numpy as np
 import pytest
 
 import meshdepict as md
-from meshdepict import Light, scale_space, shading
+from meshdepict import Light, samples, scale_space, shading
 from meshdepict.scene.material import Toon, soft_steps
 from meshdepict.shading.tones import soft_tones
-from meshdepict.shapes import samples
 
 ORANGE = np.array([1.0, 0.5, 0.1])
 

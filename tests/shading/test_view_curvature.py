@@ -3,10 +3,9 @@
 import numpy as np
 import pytest
 
-from meshdepict import Look, bake, scale_space, shading
+from meshdepict import Look, bake, samples, scale_space, shading
 from meshdepict.errors import MeshdepictError
 from meshdepict.scene.view import View
-from meshdepict.shapes import samples
 from meshdepict.shapes.mesh import Mesh
 
 LIGHT = "northwest"  # it isn't looked at

@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from meshdepict import Mesh
-from meshdepict.shapes import samples
+from meshdepict import Mesh, samples
 from meshdepict.shapes.defects import Defects, find_defects
 
 CLEAN = {

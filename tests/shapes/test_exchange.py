@@ -6,9 +6,8 @@ import pyvista as pv
 import trimesh
 from conftest import tetrahedron
 
-from meshdepict import bake
+from meshdepict import bake, samples
 from meshdepict.errors import MeshdepictError
-from meshdepict.shapes import samples
 from meshdepict.shapes.mesh import Mesh
 
 # --- from PyVista -----------------------------------------------------------------------------
@@ -239,3 +238,40 @@ def test_trimesh_gets_unmerged_and_unused_vertices_too():
         np.vstack([vertices[faces].reshape(-1, 3), [[9, 9, 9]]]), np.arange(12).reshape(-1, 3)
     )
     assert len(bake(soup, "lambert").to_trimesh().vertices) == 13
+
+
+# --- and back -----------------------------------------------------------------------------------
+
+
+def test_a_mesh_goes_to_pyvista_and_comes_back():
+    mesh = Mesh.from_pyvista(mixed_polydata())
+    again = Mesh.from_pyvista(mesh.to_pyvista())
+    np.testing.assert_array_equal(again.vertices, mesh.vertices)
+    for one, other in zip(again.polygons, mesh.polygons, strict=True):
+        np.testing.assert_array_equal(one, other)
+    for element in ("vertex", "face"):
+        assert again.attributes[element].keys() == mesh.attributes[element].keys()
+        for name, values in mesh.attributes[element].items():
+            np.testing.assert_array_equal(again.attributes[element][name], values)
+
+
+def test_what_goes_to_pyvista_is_a_copy():
+    mesh = Mesh(*tetrahedron())
+    mesh.to_pyvista().points[:] = 7
+    mesh.to_trimesh().vertices[:] = 7
+    assert not (mesh.vertices == 7).any()
+
+
+@pytest.mark.parametrize("alpha", [None, [0, 128, 255, 7]])
+def test_a_mesh_goes_to_trimesh_and_comes_back(alpha):
+    rgb = np.arange(12, dtype=np.uint8).reshape(4, 3)
+    colors = dict(zip(("red", "green", "blue"), rgb.T, strict=True))
+    if alpha is not None:
+        colors["alpha"] = np.array(alpha, np.uint8)
+    mesh = Mesh(*tetrahedron(), attributes={"vertex": colors | {"wear": np.arange(4.0)}})
+    again = Mesh.from_trimesh(mesh.to_trimesh())
+    np.testing.assert_array_equal(again.vertices, mesh.vertices)
+    np.testing.assert_array_equal(again.faces, mesh.faces)
+    assert again.attributes["vertex"].keys() == mesh.attributes["vertex"].keys()
+    for name, values in mesh.attributes["vertex"].items():
+        np.testing.assert_array_equal(again.attributes["vertex"][name], values)

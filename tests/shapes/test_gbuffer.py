@@ -6,11 +6,10 @@ import numpy as np
 import pytest
 from scipy.ndimage import binary_dilation, binary_erosion, maximum_filter, minimum_filter
 
-from meshdepict import scale_space
+from meshdepict import samples, scale_space
 from meshdepict.errors import MeshdepictError
 from meshdepict.scene.view import VIEWS, View
 from meshdepict.shading import lambert
-from meshdepict.shapes import samples
 from meshdepict.shapes.fingerprint import fingerprint
 from meshdepict.shapes.gbuffer import GBuffer
 from meshdepict.shapes.mesh import Mesh

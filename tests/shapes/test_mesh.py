@@ -2,8 +2,8 @@ import numpy as np
 import pytest
 from conftest import angle_between, rotation, tetrahedron
 
+from meshdepict import samples
 from meshdepict.errors import MeshdepictError, MeshdepictWarning
-from meshdepict.shapes import samples
 from meshdepict.shapes.mesh import Mesh
 from meshdepict.surface.polygons import Polygons
 

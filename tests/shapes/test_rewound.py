@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from meshdepict import Mesh, MeshdepictWarning
-from meshdepict.shapes import samples
+from meshdepict import Mesh, MeshdepictWarning, samples
 from meshdepict.shapes.document import Document
 from meshdepict.surface.polygons import as_polygons
 

@@ -9,10 +9,10 @@ import trimesh
 import meshdepict as md
 from meshdepict.congruence.comparison import compare
 from meshdepict.errors import MeshdepictWarning
+from meshdepict.samples.phantom import ct_phantom
 from meshdepict.scene.upright import UPS
 from meshdepict.scene.view import named_directions
 from meshdepict.shapes.isosurface import isosurface
-from meshdepict.shapes.phantom import ct_phantom
 from meshdepict.shapes.standing import automatic_view, standing
 from meshdepict.surface.aspects import AXES, aspects, footing, mirrored, spread
 from meshdepict.viewer.session import Session

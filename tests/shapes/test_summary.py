@@ -5,8 +5,9 @@ import re
 import numpy as np
 
 import meshdepict as md
+from meshdepict import samples
 from meshdepict.io import write_mesh
-from meshdepict.shapes import defects, samples
+from meshdepict.shapes import defects
 
 
 def rows(table):

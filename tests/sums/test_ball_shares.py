@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from meshdepict.shapes import samples
+from meshdepict import samples
 from meshdepict.shapes.mesh import Mesh
 from meshdepict.sums.ball_shares import ball_shares, exact_shares
 

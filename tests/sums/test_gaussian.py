@@ -1,8 +1,7 @@
 import numpy as np
 import pytest
 
-from meshdepict import threads
-from meshdepict.shapes import samples
+from meshdepict import samples, threads
 from meshdepict.sums import direct_sums as direct
 from meshdepict.sums import gaussian
 from meshdepict.sums import spectral_sums as spectral

@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from meshdepict import threads
-from meshdepict.shapes import samples
+from meshdepict import samples, threads
 from meshdepict.sums import grid_sums
 from meshdepict.sums.bells import RULES, bell, blur_taps, weight_table
 from meshdepict.sums.block_layout import cells

@@ -5,8 +5,8 @@ import sys
 import numpy as np
 import pytest
 
+from meshdepict import samples
 from meshdepict.errors import MeshdepictError
-from meshdepict.shapes import samples
 from meshdepict.surface.charts import charted
 from meshdepict.surface.texels import TexelGrid
 

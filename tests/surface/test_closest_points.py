@@ -3,7 +3,7 @@
 import igl
 import numpy as np
 
-from meshdepict.shapes import samples
+from meshdepict import samples
 from meshdepict.surface.closest_points import ClosestPoints
 
 

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from conftest import angle_between
 
+from meshdepict import samples
 from meshdepict.baking.finer_mesh import FinerMesh
 from meshdepict.io import read_mesh
-from meshdepict.shapes import samples
 from meshdepict.shapes.mesh import Mesh
 from meshdepict.surface.coarseness import coarse_share
 

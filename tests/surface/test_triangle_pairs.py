@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from meshdepict import samples
 from meshdepict.errors import MeshdepictError
-from meshdepict.shapes import samples
 from meshdepict.surface.texels import TexelGrid
 from meshdepict.surface.triangle_pairs import LEAST_CELL, paired
 

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from conftest import rotation, tetrahedron
 
-from meshdepict.shapes import samples
+from meshdepict import samples
 from meshdepict.surface import triangles
 
 

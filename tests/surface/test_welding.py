@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from conftest import rotation
 
-from meshdepict.shapes import samples
+from meshdepict import samples
 from meshdepict.shapes.mesh import Mesh
 from meshdepict.surface import welding
 from meshdepict.surface.welding import normal_groups, same_position

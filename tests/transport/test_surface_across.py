@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from meshdepict.shapes import samples
+from meshdepict import samples
 from meshdepict.shapes.mesh import Mesh
 from meshdepict.transport.surface_across import surface_across
 

@@ -7,11 +7,11 @@ import pytest
 from chromium import tab  # noqa: F401
 from test_browser import Page, Served, ball_file, served  # noqa: F401
 
+from meshdepict import samples
 from meshdepict.errors import MeshdepictError
 from meshdepict.options import options_of
 from meshdepict.scene.view import View
 from meshdepict.shading import METHODS
-from meshdepict.shapes import samples
 from meshdepict.viewer.browser.desk import Desk
 from meshdepict.viewer.controls import place_option
 from meshdepict.viewer.session import Session

@@ -20,7 +20,7 @@ from conftest import PATIENCE
 from meshdepict import bake
 from meshdepict.errors import MeshdepictError
 from meshdepict.io import read_mesh, write_mesh
-from meshdepict.shapes.samples import golf_ball
+from meshdepict.samples import golf_ball
 from meshdepict.viewer.browser import serve, server
 from meshdepict.viewer.browser.desk import KINDS, Desk
 from meshdepict.viewer.session import Session
@@ -40,12 +40,12 @@ print("ended")
 class Served:
     """A server in a process of its own, as the command starts it."""
 
-    def __init__(self, path, title="ball.ply"):
+    def __init__(self, path, title="ball.ply", start=START):
         self.path = path
         # Whatever trame is told elsewhere, only this machine is served, and only with the token.
         hostile = {"TRAME_ARGS": "--host 0.0.0.0 --authKey known", "TRAME_DEFAULT_HOST": "0.0.0.0"}
         self.process = subprocess.Popen(
-            [sys.executable, "-c", START, str(path), title], env=os.environ | hostile,
+            [sys.executable, "-c", start, str(path), title], env=os.environ | hostile,
             stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
         )  # fmt: skip
         self.address = self.process.stdout.readline().strip()
@@ -99,7 +99,8 @@ def served(ball_file):
 # --- who may come in ----------------------------------------------------------------------------
 
 PLACES = ("/", "/index.html", "/vue.global.js", "/depict/mesh", "/depict/colors", "/ws",
-          "/depict/save/ply", "/depict/web/app.js", "/loading.tpl", "/nowhere")  # fmt: skip
+          "/depict/save/ply", "/depict/appearance/before", "/depict/web/app.js", "/loading.tpl",
+          "/nowhere")  # fmt: skip
 
 
 @pytest.mark.parametrize("path", PLACES)
@@ -145,7 +146,7 @@ def test_other_names_and_other_pages_are_refused_even_with_the_token(served, pat
      "/..%2f..%2f..%2f..%2f..%2f..%2fetc/passwd", "//etc/passwd", "/etc/passwd",
      "/depict/web/../browser/server.py", "/depict/web/..%2fbrowser%2fserver.py", "/depict/web/",
      "/depict/web/%2fetc%2fpasswd", "/depict/save/..%2f..%2fetc%2fpasswd", "/assets/",
-     "/depict/save/exe"],
+     "/depict/save/exe", "/depict/appearance/..%2f..%2fetc%2fpasswd"],
 )  # fmt: skip
 def test_no_file_is_within_reach(served, path):
     status, body, _ = served.get(path)

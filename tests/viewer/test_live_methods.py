@@ -7,8 +7,8 @@ import pytest
 from live_pictures import compare, difference, drawn, portrait
 
 import meshdepict as md
+from meshdepict import samples
 from meshdepict.options import options_of
-from meshdepict.shapes import samples
 from meshdepict.viewer.live import LiveShading, live_methods
 from meshdepict.viewer.live.look import _METHODS
 

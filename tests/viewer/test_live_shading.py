@@ -7,9 +7,8 @@ import pytest
 from live_pictures import difference, drawn
 
 import meshdepict as md
-from meshdepict import MeshdepictError
+from meshdepict import MeshdepictError, samples
 from meshdepict.drawing.shader import caught_errors
-from meshdepict.shapes import samples
 from meshdepict.viewer.live import LiveShading, live_methods, look
 
 

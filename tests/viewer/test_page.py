@@ -5,14 +5,12 @@ import numpy as np
 import pytest
 from chromium import tab  # noqa: F401
 
-from meshdepict import bake
+from meshdepict import bake, samples
 from meshdepict.baking.baked import Baked
 from meshdepict.errors import MeshdepictError
 from meshdepict.scene.view import View
-from meshdepict.shapes import samples
 from meshdepict.shapes.mesh import Mesh
 from meshdepict.viewer.packing import pack_mesh, sight
-from meshdepict.viewer.page import save_page
 
 PAPER = (244, 242, 238)
 DRAWN = "document.querySelector('canvas')?.dataset.smooth === 'true'"
@@ -95,8 +93,8 @@ def test_a_bake_saves_itself_as_a_page_that_loads_nothing(tmp_path, baked):
 def test_the_same_bake_gives_the_same_page_and_replaces_an_earlier_one(tmp_path, baked):
     path = tmp_path / "ball.html"
     path.write_text("earlier")
-    first = save_page(baked, path).read_bytes()
-    assert save_page(baked, path).read_bytes() == first
+    first = baked.save(path).read_bytes()
+    assert baked.save(path).read_bytes() == first
     assert list(tmp_path.iterdir()) == [path]
 
 
@@ -109,8 +107,8 @@ def test_a_page_that_cant_be_written_is_one_sentence(tmp_path, baked):
     "name", ["<script>", "\"><img src=x onerror='alert(1)'>", "%%MESH%%", "&lt;"]
 )
 def test_names_can_put_nothing_into_a_page(tmp_path, baked, name):
-    plain = Outline(save_page(baked, tmp_path / "ball.html").read_text(encoding="utf-8"))
-    odd = Outline(save_page(baked, tmp_path / f"{name}.html").read_text(encoding="utf-8"))
+    plain = Outline(baked.save(tmp_path / "ball.html").read_text(encoding="utf-8"))
+    odd = Outline(baked.save(tmp_path / f"{name}.html").read_text(encoding="utf-8"))
     assert odd.tags == plain.tags
     assert odd.title == plain.title.replace("ball", name)
 
@@ -118,10 +116,8 @@ def test_names_can_put_nothing_into_a_page(tmp_path, baked, name):
 def test_provenance_can_put_nothing_into_a_page(tmp_path, ball):
     baked = bake(ball, "lambert")
     baked.provenance["light"] = "</dd></script><script>alert(1)</script>"
-    odd = Outline(save_page(baked, tmp_path / "odd.html").read_text(encoding="utf-8"))
-    plain = Outline(
-        save_page(bake(ball, "lambert"), tmp_path / "b.html").read_text(encoding="utf-8")
-    )
+    odd = Outline(baked.save(tmp_path / "odd.html").read_text(encoding="utf-8"))
+    plain = Outline(bake(ball, "lambert").save(tmp_path / "b.html").read_text(encoding="utf-8"))
     assert odd.tags == plain.tags
 
 
@@ -144,7 +140,7 @@ def painted(baked, color):
 
 
 def test_a_page_shows_its_colours_exactly_and_asks_for_nothing(tab, tmp_path, baked):  # noqa: F811
-    path = save_page(painted(baked, (10, 200, 30)), tmp_path / "ball.html")
+    path = painted(baked, (10, 200, 30)).save(tmp_path / "ball.html")
     canvas = shown(tab, path)
     height, width = canvas.shape[:2]
     np.testing.assert_array_equal(canvas[height // 2, width // 2], (10, 200, 30))
@@ -159,7 +155,7 @@ def test_a_page_shows_its_colours_exactly_and_asks_for_nothing(tab, tmp_path, ba
 
 
 def test_a_page_says_that_it_is_loading_until_it_shows(tab, tmp_path, baked):  # noqa: F811
-    path = save_page(baked, tmp_path / "ball.html")
+    path = baked.save(tmp_path / "ball.html")
     text = path.read_text(encoding="utf-8")
     said = text.index("Loading …")
     assert said < text.index('id="mesh"')  # megabytes that come later
@@ -170,7 +166,7 @@ def test_a_page_says_that_it_is_loading_until_it_shows(tab, tmp_path, baked):  #
 def test_a_page_shows_what_a_picture_shows(tab, tmp_path, baked):  # noqa: F811
     from PIL import Image
 
-    canvas = shown(tab, save_page(baked, tmp_path / "golf-ball.html"), "page").astype(float)
+    canvas = shown(tab, baked.save(tmp_path / "golf-ball.html"), "page").astype(float)
     height, width = canvas.shape[:2]
     size = width + 8, height + 8
     assert tab.js("['width', 'height'].map(side => document.querySelector('canvas')[side])") == [
@@ -194,7 +190,7 @@ def test_far_from_the_origin_a_page_looks_the_same(tab, tmp_path, ball):  # noqa
 
 
 def test_a_page_turns_by_mouse_and_keys_and_goes_home(tab, tmp_path, baked):  # noqa: F811
-    first = shown(tab, save_page(baked, tmp_path / "ball.html"))
+    first = shown(tab, baked.save(tmp_path / "ball.html"))
 
     def after(act):
         tab.js("document.querySelector('canvas').dataset.smooth = ''")
@@ -215,7 +211,7 @@ def test_a_page_turns_by_mouse_and_keys_and_goes_home(tab, tmp_path, baked):  # 
 
 
 def test_two_fingers_zoom(tab, tmp_path, baked):  # noqa: F811
-    first = shown(tab, save_page(baked, tmp_path / "ball.html"))
+    first = shown(tab, baked.save(tmp_path / "ball.html"))
     tab.js("document.querySelector('canvas').dataset.smooth = ''")
     for kind, apart in (("touchStart", 40), ("touchMove", 60), ("touchMove", 80), ("touchEnd", 0)):
         points = [{"x": 450 + side * apart, "y": 250, "id": side} for side in (-1, 1) if apart]
@@ -229,7 +225,7 @@ def test_two_fingers_zoom(tab, tmp_path, baked):  # noqa: F811
 def test_a_narrow_page_shows_the_whole_object(tab, tmp_path, baked):  # noqa: F811
     tab.resize(390, 760, mobile=True)
     try:
-        canvas = shown(tab, save_page(painted(baked, (10, 200, 30)), tmp_path / "golf-ball.html"))
+        canvas = shown(tab, painted(baked, (10, 200, 30)).save(tmp_path / "golf-ball.html"))
         tab.picture("page-narrow")
     finally:
         tab.resize(900, 640)
@@ -253,7 +249,7 @@ def test_without_webgl_the_page_says_so(tab, tmp_path, baked):  # noqa: F811
         source="HTMLCanvasElement.prototype.getContext = () => null",
     )
     try:
-        tab.open(save_page(baked, tmp_path / "ball.html").absolute().as_uri())
+        tab.open(baked.save(tmp_path / "ball.html").absolute().as_uri())
         assert "WebGL 2" in tab.wait("document.querySelector('.fault')?.textContent")
     finally:
         tab.call("Page.removeScriptToEvaluateOnNewDocument", identifier=script["identifier"])

@@ -10,7 +10,7 @@ from meshdepict.drawing import volume_scene
 from meshdepict.drawing.picture_files import read_picture_provenance
 from meshdepict.errors import MeshdepictError
 from meshdepict.io.volumes import read_volume
-from meshdepict.shapes.samples import ct_phantom
+from meshdepict.samples import ct_phantom
 from meshdepict.viewer.windows.clipping_box import ClippingBox
 from meshdepict.viewer.windows.keys import action_of, help_text
 from meshdepict.viewer.windows.volume_keys import KEYS

@@ -5,7 +5,7 @@ import itertools
 import numpy as np
 import pytest
 
-from meshdepict import bake
+from meshdepict import bake, samples
 from meshdepict.baking.recipe import load_recipe
 from meshdepict.drawing.canvas import place
 from meshdepict.errors import MeshdepictError
@@ -15,7 +15,6 @@ from meshdepict.scene.light import Light, Lights
 from meshdepict.scene.names import as_light
 from meshdepict.scene.view import VIEWS, View
 from meshdepict.shading import METHODS
-from meshdepict.shapes import samples
 from meshdepict.shapes.mesh import Mesh
 from meshdepict.viewer.controls import Control
 from meshdepict.viewer.light_drag import angles, carried, dragged, lights_of

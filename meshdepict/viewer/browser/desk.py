@@ -20,17 +20,18 @@ from meshdepict.options import as_text
 from meshdepict.scene.light import Light
 from meshdepict.scene.rig import Rig
 from meshdepict.scene.view import View
+from meshdepict.viewer.browser.looks import Looks
 from meshdepict.viewer.controls import Control, place_option, slid
 from meshdepict.viewer.packing import sight
-from meshdepict.viewer.page import save_page
 
 if TYPE_CHECKING:
     from meshdepict.baking.baked import Baked
+    from meshdepict.baking.baked_texture import BakedTexture
     from meshdepict.viewer.session import Session
 
 __all__ = ["KINDS", "Desk"]
 
-KINDS = {"ply": "ply", "png": "png", "html": "html", "recipe": "toml"}
+KINDS = {"ply": "ply", "glb": "glb", "png": "png", "html": "html", "recipe": "toml"}
 """What can be saved, and the suffix of its file."""
 
 _OFFERED = ("gray", "sepia", "stone", "gooch", "viridis", "cividis", "magma", "RdBu_r")
@@ -49,6 +50,7 @@ class Desk:
     def __init__(self, session: Session, title: str) -> None:
         self.session = session
         self.title = title
+        self.looks = Looks(session)
         self._distance = float(np.linalg.norm(session.view.position - session.view.focus))
 
     def apply(self, changes: Iterable[Any]) -> str:
@@ -56,7 +58,7 @@ class Desk:
 
         Kinds: method name; option method name value (None: the default); light x y z in a list;
         attend x y z in a list or None; follow whether; view frame focus half-height;
-        colormap name; reset.
+        colormap name; reset; texture whether.
         """
         faults = []
         for change in changes:
@@ -71,6 +73,7 @@ class Desk:
                 faults.append(f"the page sent what is no change: {change!r:.80}")
         try:
             self.session.baked()
+            self.looks.refresh()
         except (MeshdepictError, MemoryError) as error:
             faults.append(str(error) or "out of memory")
         return "; ".join(faults)
@@ -95,22 +98,27 @@ class Desk:
             "lightText": str(light)[:200],
             "colormap": session.colormap or "",
             "colormaps": list(_OFFERED),
+            **self.looks.described(),
         }
 
     def home(self) -> dict[str, Any]:
         """Return the view from which the page should look."""
         return sight(self.session.view)
 
-    def baked(self) -> Baked:
-        """Return the bake as it is seen now."""
-        return copy.copy(self.session.baked())  # the session's own goes on with its view
+    def shown(self, kind: str) -> Baked | BakedTexture:
+        """Return what a kind of file holds, as it is seen now: a texture, or colours at vertices.
+
+        The session's own go on with its view.
+        """
+        texture = None if kind == "ply" else self.looks.texture
+        return copy.copy(self.session.baked()) if texture is None else texture
 
     def name(self, kind: str) -> str:
         """Return a name for a file, in letters that every disk and header takes."""
         stem = re.sub(r"[^A-Za-z0-9._-]+", "-", Path(self.title).stem).strip("-.") or "mesh"
         return f"{stem}-{self.session.method}.{KINDS[kind]}"
 
-    def save(self, kind: str, baked: Baked, size: tuple[int, int]) -> bytes:
+    def save(self, kind: str, shown: Baked | BakedTexture, size: tuple[int, int]) -> bytes:
         """Return a file of one of `KINDS`.
 
         Raises
@@ -123,11 +131,9 @@ class Desk:
             if kind == "recipe":
                 save_recipe(path, self.session.recorded())
             elif kind == "png":
-                baked.picture(path, size=size)
-            elif kind == "html":
-                save_page(baked, path)
+                shown.picture(path, size=size)
             else:
-                baked.save(path)
+                shown.save(path)
             return path.read_bytes()
 
     def _control(self, control: Control) -> dict[str, Any]:
@@ -176,6 +182,9 @@ class Desk:
     def _reset(self) -> None:
         self.session.reset()
 
+    def _bake_texture(self, wanted: object) -> None:
+        self.looks.bake(wanted=bool(wanted))
+
 
 _VERBS: dict[str, Callable[..., None]] = {
     "method": Desk._use,
@@ -186,6 +195,7 @@ _VERBS: dict[str, Callable[..., None]] = {
     "view": Desk._look,
     "colormap": Desk._paint,
     "reset": Desk._reset,
+    "texture": Desk._bake_texture,
 }
 
 

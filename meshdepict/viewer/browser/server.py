@@ -19,6 +19,7 @@ from meshdepict.console import complain
 from meshdepict.errors import MeshdepictError
 from meshdepict.viewer.browser.desk import KINDS, Desk
 from meshdepict.viewer.browser.gate import Gate
+from meshdepict.viewer.browser.looks import LOOKS
 from meshdepict.viewer.browser.redirect import redirect
 from meshdepict.viewer.packing import pack_mesh, raised
 from meshdepict.viewer.page import WEB
@@ -34,6 +35,7 @@ _ICON = (
     "data:image/svg+xml,<svg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 16 16'>"
     "<circle cx='8' cy='8' r='7' fill='%23777'/><circle cx='6' cy='5' r='3' fill='%23fff'/></svg>"
 )
+_SCRIPTS = ("appearance", "pick", "mesh_view", "looks", "app")
 _ENDED = "<p class='gone'>meshdepict has ended. Start it again to go on.</p>"
 
 
@@ -164,7 +166,7 @@ class _Server:
         trame, state = self.trame, self.trame.state
         trame.enable_module(
             {
-                "scripts": [f"depict/web/{name}.js" for name in ("pick", "mesh_view", "app")],
+                "scripts": [f"depict/web/{name}.js" for name in _SCRIPTS],
                 "styles": ["depict/web/app.css"],
                 "vue_use": ["meshdepict"],
             }
@@ -180,6 +182,7 @@ class _Server:
                 "look": self.desk.look(),
                 "home": {**self.desk.home(), "count": 0},
                 "revision": 1,
+                "texture": 0,
                 "applied": {},
                 "message": "",
                 "progress": 0.0,
@@ -200,6 +203,7 @@ class _Server:
         server.app.middlewares.append(self.gate.middleware())
         router.add_get("/depict/mesh", self._send_mesh)
         router.add_get("/depict/colors", self._send_colors)
+        router.add_get("/depict/appearance/{name}", self._send_appearance)
         router.add_get("/depict/save/{kind}", self._send_file)
         router.add_get("/loading.tpl", self._send_loading)
         router.add_static("/depict/web", WEB)
@@ -209,6 +213,17 @@ class _Server:
 
     async def _send_colors(self, request: Request) -> Response:
         return _bytes(self.colors)
+
+    async def _send_appearance(self, request: Request) -> Response:
+        from aiohttp import web
+
+        name = request.match_info["name"]
+        if name not in LOOKS:
+            raise web.HTTPNotFound(text=f"there is no appearance {name!r:.40}\n")
+        try:
+            return _bytes(await self._apart(self.desk.looks.packed, name))
+        except MeshdepictError as error:
+            return web.Response(status=400, text=str(error))
 
     async def _send_loading(self, request: Request) -> Response:
         from aiohttp import web
@@ -223,11 +238,11 @@ class _Server:
             raise web.HTTPNotFound(text=f"there is no file of kind {kind!r:.40}\n")
         try:
             width, height = (int(request.query.get(side, 1000)) for side in ("width", "height"))
-            baked = await self._apart(self.desk.baked)
+            shown = await self._apart(self.desk.shown, kind)
             if kind == "png":  # windows, also those off screen, belong to the main thread
-                data = self.desk.save(kind, baked, (width, height))
+                data = self.desk.save(kind, shown, (width, height))
             else:
-                data = await self._apart(self.desk.save, kind, baked, (width, height))
+                data = await self._apart(self.desk.save, kind, shown, (width, height))
         except (MeshdepictError, ValueError) as error:
             return web.Response(status=400, text=str(error))
         return _bytes(data, **{"X-File-Name": self.desk.name(kind)})
@@ -264,6 +279,7 @@ class _Server:
                     self.shown = self.desk.session.colors
                     self.colors = self.shown.tobytes()
                     state.revision += 1
+                state.texture = self.desk.looks.number
                 state.message, state.progress = message, 0.0
                 state.applied = {client: serial}
 

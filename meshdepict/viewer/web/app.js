@@ -10,10 +10,11 @@
     <main class="depict">
       <section class="stage">
         <p v-if="fault" class="fault" role="alert">{{ fault }}</p>
-        <canvas v-show="!fault" ref="canvas" tabindex="0" role="img"
+        <canvas v-show="!fault" ref="canvas" tabindex="0" role="img" @keydown="parted"
           :aria-label="'Picture of ' + look.title + '. Arrow keys turn it, plus and minus zoom.'"
         ></canvas>
         <p class="help">Drag or arrow keys: turn. Wheel or + −: zoom. Shift: move. Home: back.
+          w: before and after. [ ] or drag: the line.
           <span v-if="look.place">Alt+click: {{ words(look.place) }}.</span></p>
       </section>
       <form class="panel" @submit.prevent>
@@ -86,6 +87,21 @@
           <datalist id="maps"><option v-for="name in look.colormaps" :key="name">{{ name }}</option>
           </datalist>
         </label>
+
+        <fieldset>
+          <legend>Before and after</legend>
+          <label class="row">left of the line
+            <select id="compared" :value="compared" @change="compare($event.target.value)">
+              <option value="">nothing</option>
+              <option v-for="each in look.comparisons" :key="each.name" :value="each.name">
+                {{ each.words }}</option>
+            </select>
+          </label>
+          <p v-if="look.texture !== null" class="row texture">
+            <span>{{ look.texture || 'colours at the vertices' }}</span>
+            <button id="texture" type="button" @click="change('texture', !look.texture)">
+              {{ look.texture ? 'Leave the texture' : 'Bake a texture' }}</button></p>
+        </fieldset>
         </div>
         <div class="foot">
         <p v-if="message" class="message" role="alert">{{ message }}</p>
@@ -102,6 +118,7 @@
 
   const App = {
     template: PANEL,
+    mixins: [window.looks],
     inject: ["trame"],
     data() {
       const state = this.trame.state;
@@ -192,6 +209,7 @@
           this.frame = this.view.sight.frame;
         }
         if (keys.includes("revision") && this.view.info) this.paint();
+        else if (keys.includes("texture") && this.view.info) this.dress();
         if (keys.includes("applied") && state.get("applied")[this.me] === this.sent) {
           this.sent = 0;
           this.slow = false;
@@ -219,6 +237,7 @@
           this.loading = "";
         } while (this.painting === "again");
         this.painting = "";
+        this.dress();
       },
       async fetched(address) {
         const answer = await fetch(address);

@@ -1,22 +1,15 @@
-/* A mesh in its own colours, unlit, in a parallel projection. Turned by mouse, touch and keys.
+/* A mesh as it looks, unlit, in a parallel projection; before and after, parted by a line. Turned
+   by mouse, touch and keys.
    Used by the page that `Baked.save("x.html")` writes and by `meshdepict view --browser`. */
 "use strict";
 
 window.MeshView = (() => {
-  const VERTEX = `#version 300 es
-    in vec3 position;
-    in vec3 color;
-    uniform mat4 sight;
-    out vec3 shade;
-    void main() { shade = color; gl_Position = sight * vec4(position, 1.0); }`;
-  const FRAGMENT = `#version 300 es
-    precision highp float;
-    in vec3 shade;
-    out vec4 seen;
-    void main() { seen = vec4(shade, 1.0); }`;
   const STEP = Math.PI / 36; // a key press turns by 5°
   const STILL = 400; // ms without a change
   const SWIFT = 25; // ms: a picture that comes faster may always be smooth
+  const LINE = [0.85, 0.33, 0.1]; // the window's
+  const GRIP = { mouse: 8, touch: 24 }; // pixels beside it where it can be taken
+  const SHIFT = 0.02; // of it for a key, in widths of the picture
 
   const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
   const cross = (a, b) => [
@@ -25,15 +18,10 @@ window.MeshView = (() => {
   const unit = (a) => a.map((x) => x / Math.hypot(...a));
   const blend = (a, x, b, y) => a.map((_, i) => a[i] * x + b[i] * y);
 
-  /* Undo the differences from row to row (positions) or number to number (corners of faces). */
-  function summed(numbers, stride) {
-    for (let i = stride; i < numbers.length; i++) numbers[i] += numbers[i - stride];
-    return numbers;
-  }
-
   class MeshView {
     /* `turned(sight)` is called when a person changes the view, `clicked(x, y)` when one clicks a
-       place with Alt; `info` describes the mesh. */
+       place with Alt; `info` describes the mesh. `now` is how it looks, `before` how it did, to the
+       left of the `line`, a share of the width. */
     constructor(canvas, turned = () => {}, clicked = null) {
       this.clicked = clicked;
       this.canvas = canvas;
@@ -41,14 +29,19 @@ window.MeshView = (() => {
       this.fingers = new Map();
       this.sight = null;
       this.frames = 0;
+      this.now = this.before = this.vertices = null;
+      this.line = 0.5;
       this.gl = canvas.getContext("webgl2", { antialias: false }); // see `smoothed`
       if (!this.gl) throw new Error("This browser has no WebGL 2, which the picture needs.");
       this.prepare();
       canvas.addEventListener("webglcontextlost", (event) => event.preventDefault());
       canvas.addEventListener("webglcontextrestored", () => {
         this.prepare();
-        if (this.info) this.upload();
-        if (this.bytes) this.paint(this.bytes);
+        const looks = new Set([this.now, this.before, this.vertices].filter(Boolean));
+        for (const look of looks) {
+          look.painter = null;
+          look.load(this.painter).then(() => this.draw());
+        }
       });
       this.sized = new ResizeObserver(() => this.draw());
       this.sized.observe(canvas);
@@ -56,21 +49,8 @@ window.MeshView = (() => {
     }
 
     prepare() {
-      const gl = this.gl;
-      const program = gl.createProgram();
-      for (const [kind, text] of [[gl.VERTEX_SHADER, VERTEX], [gl.FRAGMENT_SHADER, FRAGMENT]]) {
-        const shader = gl.createShader(kind);
-        gl.shaderSource(shader, text);
-        gl.compileShader(shader);
-        gl.attachShader(program, shader);
-      }
-      gl.bindAttribLocation(program, 0, "position");
-      gl.bindAttribLocation(program, 1, "color");
-      gl.linkProgram(program);
-      gl.useProgram(program);
-      gl.enable(gl.DEPTH_TEST);
-      this.place = gl.getUniformLocation(program, "sight");
-      [this.points, this.colors, this.corners] = [0, 0, 0].map(() => gl.createBuffer());
+      this.painter = new window.Appearance.Painter(this.gl);
+      this.gl.enable(this.gl.DEPTH_TEST);
       this.samples = null;
     }
 
@@ -79,10 +59,10 @@ window.MeshView = (() => {
       const points = 6 * info.vertices;
       const Index = info.wide ? Uint32Array : Uint16Array;
       this.info = info;
+      const { summed } = window.Appearance;
       this.positions = summed(new Uint16Array(buffer.slice(0, points)), 3);
       this.indices = summed(new Index(buffer.slice(points)), 1);
       this.measure();
-      this.upload();
     }
 
     measure() {
@@ -102,24 +82,28 @@ window.MeshView = (() => {
       this.draw();
     }
 
-    upload() {
-      const gl = this.gl;
-      gl.bindBuffer(gl.ARRAY_BUFFER, this.points);
-      gl.bufferData(gl.ARRAY_BUFFER, this.positions, gl.STATIC_DRAW);
-      gl.enableVertexAttribArray(0);
-      gl.vertexAttribPointer(0, 3, gl.UNSIGNED_SHORT, true, 0, 0);
-      gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, this.corners);
-      gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, this.indices, gl.STATIC_DRAW);
+    /* Take new colours, three bytes a vertex, and show them. */
+    paint(buffer) {
+      if (this.vertices) this.vertices.paint(buffer);
+      else this.vertices = window.Appearance.painted(buffer, this).place(this.painter);
+      this.now = this.vertices;
+      this.draw();
     }
 
-    /* Take new colours: three bytes a vertex. */
-    paint(buffer) {
-      const gl = this.gl;
-      this.bytes = buffer;
-      gl.bindBuffer(gl.ARRAY_BUFFER, this.colors);
-      gl.bufferData(gl.ARRAY_BUFFER, new Uint8Array(buffer), gl.DYNAMIC_DRAW);
-      gl.enableVertexAttribArray(1);
-      gl.vertexAttribPointer(1, 3, gl.UNSIGNED_BYTE, true, 0, 0);
+    /* Show the mesh as it looks by an appearance that was loaded. */
+    wear(appearance) {
+      this.now = appearance;
+      this.draw();
+    }
+
+    /* Show another appearance, too, on the left; or none. */
+    compare(appearance) {
+      this.before = appearance;
+      this.draw();
+    }
+
+    moveLine(share) {
+      this.line = Math.min(Math.max(share, 0), 1);
       this.draw();
     }
 
@@ -164,7 +148,7 @@ window.MeshView = (() => {
     finish() {
       const start = performance.now();
       this.render(true);
-      if (this.swift === undefined && this.bytes && this.sight) { // asked once: it waits
+      if (this.swift === undefined && this.now && this.sight) { // asked once: it waits
         this.gl.readPixels(0, 0, 1, 1, this.gl.RGBA, this.gl.UNSIGNED_BYTE, new Uint8Array(4));
         this.swift = performance.now() - start < SWIFT;
       }
@@ -172,7 +156,7 @@ window.MeshView = (() => {
 
     render(smooth) {
       const { gl, canvas } = this;
-      if (!this.bytes || !this.sight || !canvas.isConnected || gl.isContextLost()) return;
+      if (!this.now?.painter || !this.sight || !canvas.isConnected || gl.isContextLost()) return;
       const density = window.devicePixelRatio || 1;
       const width = Math.max(1, Math.round(canvas.clientWidth * density));
       const height = Math.max(1, Math.round(canvas.clientHeight * density));
@@ -184,9 +168,9 @@ window.MeshView = (() => {
       const paper = getComputedStyle(canvas).backgroundColor.match(/[\d.]+/g).map(Number);
       gl.clearColor(paper[0] / 255, paper[1] / 255, paper[2] / 255, 1);
       gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
-      gl.uniformMatrix4fv(this.place, false, this.matrix(width / height));
-      const kind = this.info.wide ? gl.UNSIGNED_INT : gl.UNSIGNED_SHORT;
-      gl.drawElements(gl.TRIANGLES, this.indices.length, kind, 0);
+      this.painter.look(this.matrix(width / height));
+      if (this.before?.painter) this.drawBoth(width, height, density);
+      else this.now.draw();
       if (smooth) {
         gl.bindFramebuffer(gl.DRAW_FRAMEBUFFER, null);
         const box = [0, 0, width, height];
@@ -195,6 +179,20 @@ window.MeshView = (() => {
       }
       canvas.dataset.smooth = smooth;
       canvas.dataset.frames = ++this.frames;
+    }
+
+    drawBoth(width, height, density) {
+      const { gl } = this;
+      const cut = Math.round(this.line * width);
+      gl.enable(gl.SCISSOR_TEST);
+      gl.scissor(0, 0, cut, height);
+      this.before.draw();
+      gl.scissor(cut, 0, width - cut, height);
+      this.now.draw();
+      gl.scissor(cut - Math.ceil(density), 0, 2 * Math.ceil(density), height);
+      gl.clearColor(...LINE, 1);
+      gl.clear(gl.COLOR_BUFFER_BIT);
+      gl.disable(gl.SCISSOR_TEST);
     }
 
     /* A framebuffer of four samples a pixel. */
@@ -275,6 +273,12 @@ window.MeshView = (() => {
       this.moved(this.home);
     }
 
+    /* Whether the line is under the pointer. */
+    grips(event) {
+      const aside = Math.abs(event.offsetX - this.line * this.canvas.clientWidth);
+      return this.before !== null && aside <= (GRIP[event.pointerType] || GRIP.touch);
+    }
+
     listen() {
       const { canvas, fingers } = this;
       canvas.style.touchAction = "none";
@@ -285,12 +289,21 @@ window.MeshView = (() => {
           return;
         }
         canvas.setPointerCapture(event.pointerId);
+        if (!fingers.size && this.grips(event)) this.gripped = event.pointerId;
         fingers.set(event.pointerId, [event.clientX, event.clientY]);
       });
       for (const name of ["pointerup", "pointercancel"]) {
-        canvas.addEventListener(name, (event) => fingers.delete(event.pointerId));
+        canvas.addEventListener(name, (event) => {
+          fingers.delete(event.pointerId);
+          if (this.gripped === event.pointerId) this.gripped = null;
+        });
       }
       canvas.addEventListener("pointermove", (event) => {
+        if (!fingers.size) canvas.style.cursor = this.grips(event) ? "ew-resize" : "";
+        if (this.gripped === event.pointerId) {
+          this.moveLine(event.offsetX / canvas.clientWidth);
+          return;
+        }
         const before = fingers.get(event.pointerId);
         if (!before || !this.sight) return;
         const now = [event.clientX, event.clientY];
@@ -328,6 +341,9 @@ window.MeshView = (() => {
       else if (event.key === "+" || event.key === "=") this.zoom(1 / 1.1);
       else if (event.key === "-") this.zoom(1.1);
       else if (event.key === "Home" || event.key === "0") this.goHome();
+      else if (event.key === "[" || event.key === "]") {
+        if (this.before) this.moveLine(this.line + (event.key === "[" ? -SHIFT : SHIFT));
+      }
       else return;
       event.preventDefault();
     }

@@ -137,10 +137,16 @@ class Actions:
         self._window.draw()
 
     def wipe(self) -> None:
-        """Show before and after, parted by a line, or after alone."""
+        """Show before and after, parted by a line, or after alone; what else was before first."""
         window = self._window
-        window.compare(on=not window.scenery.wipe.on)
-        window.draw()
+        known, shown = window.object.comparisons, window.object.compared
+        number = known.index(shown) + 1 if window.scenery.wipe.on and shown in known else 0
+        if window.scenery.wipe.on and number == len(known):
+            window.compare(on=False)
+            window.draw()
+        else:
+            window.compare(on=True, what=known[number])
+            window.say(f"left of the line: {known[number]}" if len(known) > 1 else "")
 
     def line(self, direction: str) -> None:
         """Move the line to the left or right."""

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from meshdepict.baking.baked import Baked
+from meshdepict.baking.baked_texture import BakedTexture
 from meshdepict.baking.recipe import save_recipe
 from meshdepict.baking.volumes import BakedVolume
 from meshdepict.drawing.picture import save_picture
@@ -20,7 +21,9 @@ from meshdepict.viewer.session import Session
 if TYPE_CHECKING:
     from vtkmodules.vtkCommonDataModel import vtkPlane
 
-__all__ = ["free_path", "save_look", "save_mesh", "save_snapshot", "save_voxels"]
+__all__ = [
+    "free_path", "save_look", "save_mesh", "save_snapshot", "save_texture", "save_voxels",
+]  # fmt: skip
 
 
 def free_path(stem: str, suffix: str, folder: str | Path = ".") -> Path:
@@ -54,6 +57,23 @@ def save_snapshot(
 def save_mesh(session: Session, name: str, *, folder: str | Path = ".") -> Path:
     """Save the mesh with its colours as ``<name>-<method>.ply``; return its path."""
     return session.baked().save(free_path(f"{name}-{session.method}", ".ply", folder))
+
+
+def save_texture(
+    texture: BakedTexture,
+    session: Session,
+    name: str,
+    suffix: str,
+    *,
+    size: tuple[int, int] | None = None,
+    folder: str | Path = ".",
+) -> Path:
+    """Save a texture of what a session shows: .glb, or a picture in its view; return its path."""
+    path = free_path(f"{name}-{session.method}", suffix, folder)
+    if suffix == ".png":
+        texture.view = session.view
+        return texture.picture(path, size=size)
+    return texture.save(path)
 
 
 def save_voxels(session: Session, name: str, *, folder: str | Path = ".") -> Path:

@@ -81,7 +81,11 @@ def window_keys(colors: str, saved: str, *own: Key) -> tuple[Key, ...]:
     )
 
 
-KEYS = window_keys("colour map", "the mesh with these colours (PLY)")
+KEYS = window_keys(
+    "colour map",
+    "the mesh with these colours (PLY; a texture: GLB)",
+    Key("texture", ("u", "U"), "u", "bake this look into a texture (u, v), or leave it"),
+)
 """Of the window on a mesh."""
 
 POINTER = (

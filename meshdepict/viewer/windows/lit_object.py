@@ -1,8 +1,8 @@
 """The object in the window: whole or coarse, shaded by the card or painted, and how it was before.
 
-Up to four actors over one session: the one that the card shades (`LiveShading`), the whole mesh
-painted with baked colours where that can't be, a coarse stand-in while a big mesh moves, and the
-object before, for comparison.
+Actors over one session: the one that the card shades (`LiveShading`), the whole mesh painted with
+baked colours where that can't be, a coarse stand-in while a big mesh moves, the object before, for
+comparison, and the mesh in textures: its file's, and one that was baked.
 """
 
 from __future__ import annotations
@@ -14,13 +14,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from meshdepict.baking.look import bake
-from meshdepict.baking.surfaces import own_colors
+from meshdepict.drawing.textured import add_appearance
 from meshdepict.errors import MeshdepictError
-from meshdepict.shading.method import LIGHT
-from meshdepict.viewer.light_drag import lights_of
+from meshdepict.viewer.looks_before import colors_before, own_look
 from meshdepict.viewer.session import Session
-from meshdepict.viewer.windows.lit_shape import LitShape
+from meshdepict.viewer.windows.lit_shape import BEFORE, LitShape
 from meshdepict.viewer.windows.preview import Proxy
 
 if TYPE_CHECKING:
@@ -28,23 +26,14 @@ if TYPE_CHECKING:
     from vtkmodules.vtkRenderingCore import vtkActor
 
     from meshdepict.drawing.plotter import Plotter
-    from meshdepict.scales.space import ScaleSpace
+    from meshdepict.shapes.appearance import Appearance
     from meshdepict.viewer.live.live_shading import LiveShading
 
-__all__ = ["LitObject", "PaintedMesh", "colors_before"]
+__all__ = ["LitObject", "PaintedMesh"]
+
+AT_VERTICES = "at the vertices"
 
 Chosen = slice | NDArray[np.intp]  # vertices: all, or those of the stand-in
-
-
-def colors_before(session: Session, space: ScaleSpace | None = None) -> NDArray[np.uint8]:
-    """Return the shape's own colours, or Lambert's under the (first) light: (n, 3)."""
-    try:
-        return own_colors(session.shape)
-    except MeshdepictError:
-        lights = lights_of(session.light)
-        light = lights[0] if lights else LIGHT
-        space = session.space if space is None else space
-        return bake(space, "lambert", light=light, view=session.view, up=session.up).colors
 
 
 class PaintedMesh:
@@ -97,6 +86,25 @@ class LitObject(LitShape):
         self._proxy: Proxy | None = None
         self._meshes: dict[tuple[str, str], PaintedMesh] = {}
         self._stale: set[tuple[str, str]] = set()
+        self._laid: dict[str, list[vtkActor]] = {}  # in textures: "now", "before"
+        self._own: Appearance | None = None
+        self._asked_own = False
+
+    @property
+    def comparisons(self) -> tuple[str, ...]:
+        """What can lie left of the line: the mesh before, beside a texture the vertices first."""
+        return (AT_VERTICES, BEFORE) if self.is_textured else (BEFORE,)
+
+    @property
+    def is_textured(self) -> bool:
+        """Whether a baked texture is shown."""
+        return "now" in self._laid
+
+    def wear(self, texture: Appearance | None) -> None:
+        """Show the mesh in a texture from now on, until what is shown changes; None for none."""
+        self._take_off("now")
+        if texture is not None:
+            self._lay("now", texture)
 
     @property
     def has_stand_in(self) -> bool:
@@ -113,21 +121,27 @@ class LitObject(LitShape):
         self._drop_live()
         for mesh in self._meshes.values():
             self._renderer.RemoveActor(mesh.actor)
-        self._meshes, self._proxy = {}, None
+        self._take_off("before")
+        self._meshes, self._proxy, self._asked_own = {}, None, False
         self.touch()
 
     def touch(self) -> None:
         """Say that what the session shows is no longer what is drawn."""
-        self._stale |= {(size, when) for size in ("whole", "coarse") for when in ("now", "before")}
+        whens = ("now", BEFORE, AT_VERTICES)
+        self._stale |= {(size, when) for size in ("whole", "coarse") for when in whens}
+        self._take_off("now")
 
     def show(self, *, coarse: bool = False, fresh: bool = True) -> float:
         """Bring what is shown up to date; see `LitShape.show`."""
         size = "coarse" if coarse and self.has_stand_in else "whole"
         began = time.perf_counter()
-        live = self._shade_live(fresh=fresh) if size == "whole" else None
-        shown = [live.actor if live else self._painted(size, "now", fresh=fresh).actor]
+        if size == "whole" and self.is_textured:
+            shown = [*self._laid["now"]]
+        else:
+            live = self._shade_live(fresh=fresh) if size == "whole" else None
+            shown = [live.actor if live else self._painted(size, "now", fresh=fresh).actor]
         if self.comparing:
-            shown.append(self._painted(size, "before", fresh=fresh).actor)
+            shown += self._compared(size, fresh=fresh)
         took = time.perf_counter() - began
         for actor in self._actors():
             actor.SetVisibility(actor in shown)
@@ -146,11 +160,14 @@ class LitObject(LitShape):
         found = picker.Pick(*place, 0, self._renderer)
         return np.array(picker.GetPickPosition()) if found else None
 
-    def compare(self, *, on: bool) -> None:
-        """Show the mesh before, too: in its own colours, or Lambert's."""
-        super().compare(on=on)
+    def compare(self, *, on: bool, what: str = BEFORE) -> None:
+        """Show the mesh before, too: in its own texture or colours, or Lambert's."""
+        super().compare(on=on, what=what)
         for (_, when), mesh in self._meshes.items():
             self._clip(mesh.actor, when)
+        for when, actors in self._laid.items():
+            for actor in actors:
+                self._clip(actor, when)
         if self._live is not None:
             self._clip(self._live.actor, "now")
 
@@ -158,10 +175,35 @@ class LitObject(LitShape):
         mapper = actor.GetMapper()
         mapper.RemoveAllClippingPlanes()
         if self.comparing:
-            mapper.AddClippingPlane(self._planes[when])
+            mapper.AddClippingPlane(self._planes["now" if when == "now" else "before"])
+
+    def _compared(self, size: str, *, fresh: bool) -> list[vtkActor]:
+        """Return what lies to the left of the line, up to date."""
+        what = self.compared if self.compared in self.comparisons else BEFORE
+        if what == BEFORE and size == "whole":
+            if not self._asked_own:
+                self._own, self._asked_own = own_look(self._session), True
+            if self._own is not None and self._own.textures is not None:
+                if BEFORE not in self._laid:
+                    self._lay(BEFORE, self._own)
+                return self._laid[BEFORE]
+        return [self._painted(size, what, fresh=fresh).actor]
+
+    def _lay(self, when: str, appearance: Appearance) -> None:
+        """Have actors of a mesh in its textures."""
+        self._laid[when] = add_appearance(
+            self._plotter, appearance, reset_camera=False, render=False
+        )
+        for actor in self._laid[when]:
+            self._clip(actor, when)
+
+    def _take_off(self, when: str) -> None:
+        for actor in self._laid.pop(when, []):
+            self._renderer.RemoveActor(actor)
 
     def _actors(self) -> list[vtkActor]:
         actors = [mesh.actor for mesh in self._meshes.values()]
+        actors += [actor for laid in self._laid.values() for actor in laid]
         return actors if self._live is None else [*actors, self._live.actor]
 
     def _painted(self, size: str, when: str, *, fresh: bool) -> PaintedMesh:
@@ -186,10 +228,10 @@ class LitObject(LitShape):
     def _colors(self, size: str, when: str, chosen: Chosen) -> NDArray[np.uint8]:
         session = self._session
         if size == "whole":
-            return session.colors if when == "now" else colors_before(session)
+            return colors_before(session) if when == BEFORE else session.colors
         assert self._proxy is not None
         thinned = self._proxy.space(session.space)
-        if when == "before":
+        if when == BEFORE:
             found = colors_before(session, thinned)
             return found if len(found) == len(thinned.points) else found[chosen]
         try:

@@ -16,9 +16,10 @@ if TYPE_CHECKING:
     from meshdepict.drawing.plotter import Plotter
     from meshdepict.viewer.session import Session
 
-__all__ = ["NO_CARD", "LitShape"]
+__all__ = ["BEFORE", "NO_CARD", "LitShape"]
 
 NO_CARD = "no graphics card"
+BEFORE = "before"
 
 
 class LitShape:
@@ -39,6 +40,8 @@ class LitShape:
         Why the card does not shade; empty where it does.
     comparing : bool
         Whether the shape before is shown, too, each on the positive side of its plane.
+    compared : str
+        What that is then: one of `comparisons`.
     """
 
     def __init__(
@@ -48,6 +51,12 @@ class LitShape:
         self._planes = planes
         self.why_baked = "" if live else NO_CARD
         self.comparing = False
+        self.compared = BEFORE
+
+    @property
+    def comparisons(self) -> tuple[str, ...]:
+        """What can lie to the left of the line, by name."""
+        return (BEFORE,)
 
     @property
     def has_stand_in(self) -> bool:
@@ -84,9 +93,9 @@ class LitShape:
         """Return the point (3,) of the scene that is seen at a place in pixels, if any."""
         raise NotImplementedError
 
-    def compare(self, *, on: bool) -> None:
-        """Show the shape before, too, or no longer."""
-        self.comparing = on
+    def compare(self, *, on: bool, what: str = BEFORE) -> None:
+        """Show the shape before, or another of `comparisons`, too, or no longer."""
+        self.comparing, self.compared = on, what
 
     def _options(self) -> dict[str, Any]:
         """Return all options of the method as they are now."""

@@ -14,7 +14,7 @@ from meshdepict.drawing.volume_rays import ray_caster
 from meshdepict.drawing.volume_scene import add_baked, add_plain, add_rgba, repaint
 from meshdepict.errors import MeshdepictError
 from meshdepict.viewer.live.volume_shading import LiveVolume
-from meshdepict.viewer.windows.lit_shape import LitShape
+from meshdepict.viewer.windows.lit_shape import BEFORE, LitShape
 from meshdepict.viewer.windows.volume_pick import first_seen
 from meshdepict.viewer.windows.volume_session import VolumeSession
 
@@ -79,9 +79,9 @@ class LitVolume(LitShape):
         session = self._session
         return first_seen(session.shape, session.transfer, ends[0], ends[1], self._box)
 
-    def compare(self, *, on: bool) -> None:
+    def compare(self, *, on: bool, what: str = BEFORE) -> None:
         """Show VTK's own shading, too, or no longer: its copy of a volume takes memory."""
-        super().compare(on=on)
+        super().compare(on=on, what=what)
         if not on:
             self._drop_before()
         self._clip()

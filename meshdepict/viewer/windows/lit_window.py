@@ -19,7 +19,7 @@ from meshdepict.scene.view import View
 from meshdepict.viewer.session import Session
 from meshdepict.viewer.windows.camera import camera_view, same_sight
 from meshdepict.viewer.windows.keys import Pressed
-from meshdepict.viewer.windows.lit_shape import LitShape
+from meshdepict.viewer.windows.lit_shape import BEFORE, LitShape
 from meshdepict.viewer.windows.preview import Pace
 from meshdepict.viewer.windows.scenery import Scenery
 from meshdepict.viewer.windows.window_events import bind, run_loop
@@ -218,10 +218,10 @@ class LitWindow:
         """Have the whole picture drawn once the hand rests."""
         self._due = time.perf_counter() + _REST
 
-    def compare(self, *, on: bool) -> None:
+    def compare(self, *, on: bool, what: str = BEFORE) -> None:
         """Part before and after by a line, or show after alone; draw nothing."""
         self.scenery.wipe.on = on
-        self.object.compare(on=on)
+        self.object.compare(on=on, what=what)
 
     # --- the eye ----------------------------------------------------------------------------
 

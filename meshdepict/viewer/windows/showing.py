@@ -6,6 +6,7 @@ import sys
 from typing import TYPE_CHECKING, Any
 
 from meshdepict.baking.baked import Baked, Depiction
+from meshdepict.baking.baked_texture import BakedTexture
 from meshdepict.baking.volumes import BakedVolume
 from meshdepict.drawing.display import check_display
 from meshdepict.drawing.picture import plot
@@ -29,7 +30,7 @@ def show(baked: Depiction, **plotter: Any) -> Any:
 
     Parameters
     ----------
-    baked : Baked or BakedVolume
+    baked : Baked, BakedTexture or BakedVolume
     **plotter
         ``window_size``, or anything for ``pyvista.Plotter`` and ``jupyter_backend``.
 
@@ -43,11 +44,14 @@ def show(baked: Depiction, **plotter: Any) -> Any:
         return baked.plot(window_size=size, **plotter)
     check_display()
     try:
-        session = session_of(baked)
+        session = session_of(baked.vertices if isinstance(baked, BakedTexture) else baked)
     except MeshdepictError:  # nothing to change: colours as they are
         return _plot(baked, window_size=size).show()
     chosen: dict[str, Any] = {} if size is None else {"size": tuple(size)}
-    return window_on(session, **chosen).run()
+    window = window_on(session, **chosen)
+    if isinstance(baked, BakedTexture) and isinstance(window, Window):
+        window.wear(baked)
+    return window.run()
 
 
 def window_on(session: Session, **given: Any) -> LitWindow:
@@ -60,7 +64,7 @@ def _plot(baked: Depiction, **plotter: Any) -> Plotter:
     """Return a plotter that shows a bake of either kind."""
     if isinstance(baked, BakedVolume):
         return plot_volume(baked, **plotter)
-    assert isinstance(baked, Baked)
+    assert isinstance(baked, (Baked, BakedTexture))
     return plot(baked, **plotter)
 
 

@@ -6,18 +6,22 @@ coarse stand-in then, and the whole picture comes when the hand rests.
 
 from __future__ import annotations
 
+import functools
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from meshdepict.scene.view import View
+from meshdepict.viewer.session_texture import SessionTexture
 from meshdepict.viewer.windows import exports
-from meshdepict.viewer.windows.actions import Actions
 from meshdepict.viewer.windows.cycle import colormaps, other
 from meshdepict.viewer.windows.lit_object import LitObject
 from meshdepict.viewer.windows.lit_window import LitWindow
+from meshdepict.viewer.windows.mesh_actions import MeshActions
 
 if TYPE_CHECKING:
     from vtkmodules.vtkCommonDataModel import vtkPlane
+
+    from meshdepict.baking.baked_texture import BakedTexture
 
 __all__ = ["Window"]
 
@@ -27,8 +31,23 @@ class Window(LitWindow):
 
     object: LitObject
 
-    def _made_actions(self) -> Actions:
-        return Actions(self)
+    @functools.cached_property
+    def textures(self) -> SessionTexture:
+        """What bakes textures of what is shown."""
+        return SessionTexture(self.session)
+
+    @property
+    def texture(self) -> BakedTexture | None:
+        """The one that is shown; None where colours are at vertices."""
+        return self.textures.baked if self.object.is_textured else None
+
+    def wear(self, texture: BakedTexture) -> None:
+        """Show the mesh in a texture of what the session shows, but draw nothing."""
+        self.textures.adopt(texture)
+        self.object.wear(texture.appearance)
+
+    def _made_actions(self) -> MeshActions:
+        return MeshActions(self)
 
     def _made_object(self, *, live: bool, planes: dict[str, vtkPlane]) -> LitObject:
         return LitObject(self.plotter, self.session, live=live, planes=planes)
@@ -65,8 +84,17 @@ class Window(LitWindow):
 
     def save_picture(self) -> Path:
         """Save the picture, as large as it is here, without the controls."""
+        if self.texture is not None:
+            return exports.save_texture(
+                self.texture, self.session, self.name, ".png", size=self.picture_size,
+                folder=self.folder,
+            )  # fmt: skip
         return exports.save_snapshot(self.session, self.name, self.picture_size, folder=self.folder)
 
     def save_shape(self) -> Path:
-        """Save the mesh with its colours."""
+        """Save the mesh with its colours, or in its texture."""
+        if self.texture is not None:
+            return exports.save_texture(
+                self.texture, self.session, self.name, ".glb", folder=self.folder
+            )
         return exports.save_mesh(self.session, self.name, folder=self.folder)

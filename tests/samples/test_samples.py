@@ -6,8 +6,8 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
-from meshdepict import MeshdepictError
-from meshdepict.shapes import samples
+from meshdepict import MeshdepictError, samples
+from meshdepict.samples.golf_ball import _pressed
 from meshdepict.surface.icosahedron import lattice_points
 
 CLOSED = [
@@ -16,8 +16,13 @@ CLOSED = [
     (samples.torus(1000), 0),
     (samples.sphere(12), 2),
     (samples.torus(9), 0),
+    (samples.tablet(4000), 2),
+    (samples.coin(4000), 2),
+    (samples.knapped_core(4000), 2),
+    (samples.knapped_core(12), 2),
 ]
 SHEETS = [samples.wavy_sheet(900), samples.radiating_ridges(2500), samples.wavy_sheet(4)]
+FINDS = [samples.inscription, samples.tablet, samples.coin, samples.knapped_core]
 
 
 def directed_edges(mesh):
@@ -125,8 +130,9 @@ def test_golf_ball_without_depth_is_the_sphere():
     np.testing.assert_allclose(ball.vertices, sphere.vertices, rtol=0, atol=1e-15)
 
 
-def test_golf_ball_is_the_same_every_time():
-    first, second = samples.golf_ball(5000), samples.golf_ball(5000)
+@pytest.mark.parametrize("shape", [samples.golf_ball, *FINDS])
+def test_shapes_are_the_same_every_time(shape):
+    first, second = shape(5000), shape(5000)
     assert first.vertices.tobytes() == second.vertices.tobytes()
     assert first.faces.tobytes() == second.faces.tobytes()
 
@@ -155,7 +161,7 @@ def test_dimple_rims_are_smooth():
     for count in (2001, 4001):
         share = np.linspace(0, 1, count)[:, None]
         arc = centres[0] * (1 - share) + centres[neighbour[1]] * share
-        profile = samples._pressed(arc / np.linalg.norm(arc, axis=1, keepdims=True), centres)
+        profile = _pressed(arc / np.linalg.norm(arc, axis=1, keepdims=True), centres)
         slope = np.diff(profile) * count
         changes.append(np.abs(np.diff(slope)).max())
     assert profile[[0, -1]] == pytest.approx(1)
@@ -211,6 +217,12 @@ def test_sheets_have_the_heights_of_their_formulas():
         (samples.wavy_sheet, {"amplitude": float("inf")}),
         (samples.radiating_ridges, {"ridges": -1}),
         (samples.radiating_ridges, {"relief": 2}),
+        (samples.inscription, {"depth": -1}),
+        (samples.inscription, {"wear": 1.1}),
+        (samples.tablet, {"lines": 41}),
+        (samples.tablet, {"vertices": 11}),
+        (samples.coin, {"relief": float("nan")}),
+        (samples.knapped_core, {"flakes": -1}),
     ],
 )
 def test_arguments_out_of_range_are_refused(shape, argument):

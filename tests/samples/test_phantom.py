@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from meshdepict.errors import MeshdepictError
-from meshdepict.shapes.phantom import BEADS, ct_phantom
+from meshdepict.samples.phantom import BEADS, ct_phantom
 
 
 @pytest.fixture(scope="module")

@@ -3,9 +3,8 @@
 import numpy as np
 import pytest
 
-from meshdepict import HeightField, MeshdepictError
-from meshdepict.shapes import samples
-from meshdepict.shapes.landscape import BANK, MOUND, SIDE, TERRACES
+from meshdepict import HeightField, MeshdepictError, samples
+from meshdepict.samples.landscape import BANK, MOUND, SIDE, TERRACES
 
 
 def test_the_ground_is_four_hundred_metres_wide_whatever_its_cells():
