@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from house import ROOT
 
-from meshdepict.shapes import samples
+from meshdepict import samples
 
 
 @pytest.fixture(scope="module")
