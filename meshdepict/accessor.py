@@ -7,7 +7,7 @@ PyVista imports this module when somebody first writes ``.depict``, by the entry
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -123,7 +123,7 @@ class Depict:
         image = self._dataset
         where, name = scalar_array(image, scalars)
         declared = declaration(find_method(method))
-        settings = _with_ladder(method, settings)
+        settings = _with_ladder(method, settings, ("tolerance",))
         seen = ("view", "up") if counts_pixels(settings.get("width")) else ()
         ladder = tuple(settings.get(key) for key in ("transfer", *LADDER, *seen))
         key = _stamp(image, scalars), declared.scales, declared.ratio, ladder
@@ -155,7 +155,9 @@ class Depict:
         return self._surface
 
 
-def _with_ladder(method: str | Callable[..., Any], settings: dict[str, Any]) -> dict[str, Any]:
+def _with_ladder(
+    method: str | Callable[..., Any], settings: dict[str, Any], names: Sequence[str] = LADDER
+) -> dict[str, Any]:
     """Return settings with what their accuracy chooses of a scale space."""
     if settings.get("budget") is not None:
         raise MeshdepictError(
@@ -164,7 +166,7 @@ def _with_ladder(method: str | Callable[..., Any], settings: dict[str, Any]) -> 
     if settings.get("accuracy") is None or settings.get("blend") is not None:
         return settings
     taken = Look(method, **settings).taken
-    return {**{name: taken[name] for name in LADDER if name in taken}, **settings}
+    return {**{name: taken[name] for name in names if name in taken}, **settings}
 
 
 class _Surface:

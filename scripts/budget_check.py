@@ -18,6 +18,7 @@ import subprocess
 import sys
 import tempfile
 import time
+import warnings
 from pathlib import Path
 
 from tables import ROOT
@@ -93,6 +94,7 @@ def main() -> None:
         sys.exit("set MESHDEPICT_DATA to the folder of real scans")
     folder = Path(os.environ["MESHDEPICT_DATA"])
     cases = [(name, folder / FILES[name], *rest) for name, *rest in CASES]
+    warnings.simplefilter("ignore", md.MeshdepictWarning)
     for given in sys.argv[1:]:
         cases += [(Path(given).stem, Path(given), *rest) for rest in LARGE_CASES]
     machine.speed = functools.cache(lambda: machine._REFERENCE_SECONDS / machine.measured_seconds())

@@ -406,6 +406,8 @@ class Choices(ChoiceList):
                     f"{kind}: leave it out"
                 )
         scales, ratio = self.ladder
+        if kind == VOLUME and "scales" in self.taken:  # voxels without a scale look otherwise
+            scales, ratio = self.declared.scales, self.declared.ratio
         look = self._on_map(kind)
         follows: dict[str, Any] = {
             "scales": scales, "ratio": ratio, "up": look.axis(kind), "view": look.view

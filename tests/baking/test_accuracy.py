@@ -144,6 +144,15 @@ def test_another_accuracy_than_the_recipes(tmp_path):
     assert md.Look(**merge_recipe(load_recipe(usual), {"accuracy": "draft"})).tolerance == 1e-2
 
 
+def test_a_draft_of_voxels_keeps_their_scales():
+    phantom = samples.ct_phantom((12, 12, 12))
+    drafted = md.bake_volume(phantom, "exaggerated", accuracy="draft")
+    usual = md.bake_volume(phantom, "exaggerated", tolerance=1e-2)
+    assert np.array_equal(drafted.rgba, usual.rgba)
+    few = md.bake_volume(phantom, "exaggerated", accuracy="draft", scales=3)
+    assert len(few.space.widths) == 4
+
+
 def test_a_scale_space_keeps_its_own_numbers():
     space = md.scale_space(BALL)
     drafted = md.bake(space, "exaggerated", accuracy="draft")
