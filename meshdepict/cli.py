@@ -13,6 +13,7 @@ import meshdepict
 from meshdepict.commands.sentences import sentence
 from meshdepict.console import FAULT, complain, notes
 from meshdepict.errors import MeshdepictError
+from meshdepict.kernels.notice import told
 
 __all__ = ["app", "main"]
 
@@ -31,6 +32,7 @@ app = App(
 # By name, so that a command loads its own modules and no other's.
 _COMMANDS = {
     "bake": "[INPUT...] [OPTIONS]",
+    "batch": "FILES... [OPTIONS]",
     "view": "[INPUT] [OPTIONS]",
     "compare": "[INPUT] [OPTIONS]",
     "volume": "[CT] [OPTIONS]",
@@ -40,6 +42,7 @@ _COMMANDS = {
     "movie": "[INPUT] [OPTIONS]",
     "info": "INPUT...",
     "methods": "[NAME...]",
+    "warm": "[OPTIONS]",
 }
 for _place, (_name, _words) in enumerate(_COMMANDS.items()):
     app.command(
@@ -63,7 +66,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         if hasattr(stream, "reconfigure"):  # a file's name may be beyond the terminal's letters
             stream.reconfigure(errors="replace")
     try:
-        with notes(quiet=False):
+        with notes(quiet=False), told(_Once(words)):
             if words[:1] and words[0] in _COMMANDS:
                 from meshdepict.commands.parameters import spelled_out
 
@@ -93,6 +96,19 @@ def main(arguments: Sequence[str] | None = None) -> int:
     else:
         return int(status or 0)
     return FAULT
+
+
+class _Once:
+    """Tell whoever waits at a terminal that kernels are compiled, the first time."""
+
+    def __init__(self, words: Sequence[str]) -> None:
+        self._silent = "--quiet" in words or words[:1] == ("warm",)
+
+    def __call__(self, _: str) -> None:
+        if self._silent or sys.stderr is None or not sys.stderr.isatty():
+            return
+        self._silent = True
+        complain("note: kernels are compiled, once; meshdepict warm does it for all commands")
 
 
 def _close_stdout() -> None:

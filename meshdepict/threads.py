@@ -1,4 +1,4 @@
-"""Threads: how many, a parallel map with progress, and how kernels for them are compiled.
+"""Threads: how many, a parallel map with progress, and how kernels for them are declared.
 
 Kernels are compiled to release the interpreter's lock and are run by ordinary Python threads.
 That needs no threading layer of numba's, so it is safe from several threads at once, after a

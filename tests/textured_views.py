@@ -68,3 +68,18 @@ def looked_up(appearance: Appearance, view, size):
             inner &= np.roll(which, step, axis) == which
             inner &= np.roll(hit, step, axis)
     return image, inner
+
+
+def islands(baked, *, steps=64):
+    """Blacken all texels of a baked texture that no place within a triangle needs; whiten those."""
+    share = np.arange(steps + 1) / steps
+    a, b = (axis.ravel() for axis in np.meshgrid(share, share))
+    weights = np.stack([a, b, 1 - a - b], axis=1)[a + b <= 1 + 1e-9]
+    size = len(baked.image)
+    places = np.einsum("kc,mci->mki", weights, baked.texcoords).reshape(-1, 2)
+    column, row = np.floor(np.stack([places[:, 0], 1 - places[:, 1]]) * size - 0.5).astype(int)
+    baked.image[...] = 0
+    for x in (0, 1):
+        for y in (0, 1):
+            baked.image[row + y, column + x] = 255
+    return baked

@@ -95,9 +95,12 @@ def within_budget(
     for step in steps:
         kinds[step.what] = kinds.get(step.what, 0.0) + step.seconds
     longest = max(kinds, key=kinds.__getitem__)
+    helps = _HELPS.get(longest, "a simplified shape")
+    if spent > allowed:
+        helps = f"only a larger one, since {spent:.2g} s are gone already,"
     warnings.warn(
         f"even draft is predicted to take {found.seconds:.2g} s, more than the budget of "
-        f"{allowed:.3g} s: {_HELPS.get(longest, 'a simplified shape')} would help",
+        f"{allowed:.3g} s: {helps} would help",
         MeshdepictWarning,
         stacklevel=3,
     )
@@ -134,7 +137,9 @@ def predicted_steps(
         Of terrain of which the shape is a part.
     """
     looks = [look.of_layer(layer) for layer in look.layers] or [look]
-    plans = [plan(shape, each) for each in looks]
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # the bake says it
+        plans = [plan(shape, each) for each in looks]
     reads = [each.reads for each in plans]
     loading = costs.loading_seconds(
         shape.kind,

@@ -15,8 +15,7 @@ from meshdepict.baking.choices import Choices, takes_choices
 from meshdepict.baking.objects import OF_THE_SCENE, bake_objects, bake_on_ground, with_own
 from meshdepict.baking.recipe import load_recipe, save_recipe
 from meshdepict.errors import MeshdepictError
-from meshdepict.scales.grid_making import MEMORY
-from meshdepict.scales.ladder import Progress
+from meshdepict.scales.ladder import MEMORY, Progress
 
 if TYPE_CHECKING:
     from meshdepict.baking.volumes import BakedVolume

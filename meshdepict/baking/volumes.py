@@ -19,9 +19,9 @@ from meshdepict.baking.surfaces import refuse_other_scales
 from meshdepict.baking.voxel_shading import VoxelShading, voxel_shading
 from meshdepict.errors import MeshdepictError
 from meshdepict.options import real
-from meshdepict.scales.grid_making import MEMORY, sample_bytes, space_of_mask
+from meshdepict.scales.grid_making import sample_bytes, space_of_mask
 from meshdepict.scales.grid_scales import GridSpace
-from meshdepict.scales.ladder import Progress
+from meshdepict.scales.ladder import MEMORY, Progress
 from meshdepict.shapes.height_grids import is_layer
 from meshdepict.voxels.grid_samples import shaded_voxels
 from meshdepict.voxels.grid_sums import Piece
@@ -213,6 +213,11 @@ def as_volume(volume: object) -> Volume:
         return read_volume(volume)
     if hasattr(volume, "GetClassName"):  # of VTK: an image, or what says which call makes one
         return Volume.from_pyvista(volume)
+    if hasattr(volume, "dask"):
+        raise MeshdepictError(
+            "a dask.array is shaded block by block: take bake_lazily, or bake_out_of_core; or make "
+            "a Volume of it, which is read at once"
+        )
     raise MeshdepictError(
         f"a {type(volume).__name__} is not a volume: give a path, a Volume, a GridSpace or a "
         "pyvista.ImageData"

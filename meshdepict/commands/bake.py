@@ -64,7 +64,6 @@ def bake(
         Write them to a file, as they were said: up and view that nobody names are each mesh's own.
     """
     from meshdepict.baking.batch import Batch, check_look
-    from meshdepict.baking.together_batch import TogetherBatch
 
     everywhere.obey()
     if picture is None:
@@ -81,7 +80,11 @@ def bake(
         wanted.save(save_recipe, force=force)
     if together and len(inputs) < 2:
         raise MeshdepictError("--together is about several meshes: give at least two, or leave it")
-    kind = TogetherBatch if together else Batch
+    kind = Batch
+    if together:
+        from meshdepict.baking.together_batch import TogetherBatch
+
+        kind = TogetherBatch
     batch = kind(
         inputs=inputs, look=wanted, output=output, picture=picture, figure=pictures,
         winding=winding, fix_winding=fix_winding, triangles=triangles, quantize=quantize,

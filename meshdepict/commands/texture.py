@@ -45,8 +45,9 @@ def texture(
     mesh
         PLY, OBJ, OFF, STL, GLB, glTF or VTP, gzipped or not.
     output
-        The mesh with its texture (.glb, .gltf, .obj, .ply), or the texture alone (.png, .jpg,
-        .webp); <name>-<method>.glb in the current folder unless given.
+        The mesh with its texture (.glb, .gltf, .obj, .ply), the texture alone (.png, .jpg, .webp),
+        or a page that turns, before and after (.html); <name>-<method>.glb in the current folder
+        unless given.
     size
         Texels along the side of the texture, 16 to 16384.
     atlas
@@ -60,7 +61,8 @@ def texture(
     cage
         How far detail may be from the mesh, in its units or 2% of its diagonal. [default: 2%]
     image
-        How the picture in or beside a mesh is packed: png exactly, jpeg and webp smaller.
+        How the picture beside a mesh, or in its file or page, is packed: png exactly, jpeg and
+        webp smaller.
     quality
         Of jpeg and webp, 1 to 100; 90 unless given.
     winding

@@ -18,6 +18,9 @@ if TYPE_CHECKING:
 __all__ = ["add_appearance", "is_textured", "textured_polydata"]
 
 
+_PLACE = "tcoordVCVSOutput"  # what VTK's shaders call texture coordinates
+
+
 def is_textured(baked: object) -> TypeGuard[TexturedMesh]:
     """Whether a bake's colours lie in a texture, and not at vertices."""
     return hasattr(type(baked), "appearance")
@@ -43,8 +46,25 @@ def add_appearance(window: Plotter, appearance: Appearance, **looks: Any) -> lis
         if "RGB" in poly.point_data:
             usual = {"scalars": "RGB", "rgb": True, "show_scalar_bar": False}
         usual |= {"lighting": False, "texture": texture}
-        actors.append(window.add_mesh(poly, **usual | looks))
+        actor: Any = window.add_mesh(poly, **usual | looks)
+        if not texture.mipmap:
+            _stay_within(actor)
+        actors.append(actor)
     return actors
+
+
+def _stay_within(actor: Any) -> None:
+    """Read the texture within triangles, where samples of a pixel beside its middle hit them.
+
+    Beyond their edges lie other triangles' texels, and no mipmaps need even steps.
+    """
+    shaders = actor.GetShaderProperty()
+    for way, replace in (
+        ("out", shaders.AddVertexShaderReplacement),
+        ("in", shaders.AddFragmentShaderReplacement),
+    ):
+        said = f"{way} vec2 {_PLACE};"
+        replace(said, False, f"centroid {said}", False)  # noqa: FBT003, as VTK has it
 
 
 def textured_polydata(appearance: Appearance) -> list[PolyData]:

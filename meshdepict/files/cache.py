@@ -85,11 +85,11 @@ def keep(name: str, data: bytes) -> bool:
 
 
 def kept_files(within: str) -> Iterator[Path]:
-    """Yield the files of a folder in the folder, those of interrupted writers among them."""
+    """Yield the files below a folder in the folder, those of interrupted writers among them."""
     folder = cache_folder()
     if folder is not None:
         with suppress(OSError):
-            yield from (path for path in sorted((folder / within).iterdir()) if path.is_file())
+            yield from (path for path in sorted((folder / within).rglob("*")) if path.is_file())
 
 
 def throw_away_unused(within: str) -> None:
@@ -101,7 +101,7 @@ def throw_away_unused(within: str) -> None:
 
 
 def clear(within: str) -> tuple[int, int]:
-    """Delete all files of a folder in the folder; return how many, and their bytes."""
+    """Delete all files below a folder in the folder; return how many, and their bytes."""
     count = size = 0
     for path in kept_files(within):
         with suppress(OSError):
@@ -110,6 +110,7 @@ def clear(within: str) -> tuple[int, int]:
             count, size = count + 1, size + bytes_of_it
     folder = cache_folder()
     if folder is not None:
-        with suppress(OSError):
-            (folder / within).rmdir()
+        for path in (*sorted((folder / within).rglob("*"), reverse=True), folder / within):
+            with suppress(OSError):
+                path.rmdir()
     return count, size

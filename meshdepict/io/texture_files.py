@@ -53,4 +53,4 @@ def texture_notes(faults: list[str]) -> list[str]:
     if not different:
         return []
     more = f" (and {len(different) - 1:,} more like that)" if len(different) > 1 else ""
-    return [f"{different[0]}{more}: read without it"]
+    return [f"{different[0]}{more}: left out"]

@@ -13,9 +13,12 @@ from typing import Any
 
 import numpy as np
 
-__all__ = ["Key", "Unsupported", "flattened", "key_of", "types_of"]
+__all__ = ["NUMBA", "Key", "Unsupported", "flattened", "key_of", "types_of"]
 
 Key = tuple[Any, ...]
+
+NUMBA = "numba"
+"""What is kept in place of machine code that can't stand alone: numba runs it."""
 
 
 class Unsupported(Exception):  # noqa: N818  # never seen outside: numba takes over

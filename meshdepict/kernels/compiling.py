@@ -4,15 +4,13 @@ from __future__ import annotations
 
 from typing import Any
 
-from meshdepict.kernels.arguments import Key, Unsupported
-from meshdepict.kernels.machine_code import RETURNED, object_of
+from meshdepict.kernels.arguments import NUMBA, Key, Unsupported
+from meshdepict.kernels.machine_code import BLOCK, RETURNED, object_of
 
 __all__ = ["compiled"]
 
 
-def compiled(
-    dispatcher: Any, values: tuple[Any, ...], keys: Key, symbol: str
-) -> tuple[str, bytes] | None:
+def compiled(dispatcher: Any, values: tuple[Any, ...], keys: Key, symbol: str) -> tuple[str, bytes]:
     """Compile a function for arguments of these types.
 
     Parameters
@@ -23,8 +21,9 @@ def compiled(
 
     Returns
     -------
-    (str, bytes) or None
-        What it returns, as `callable_of` wants it, and the object; None where numba has to run it.
+    (str, bytes)
+        What it returns, as `callable_of` wants it, and the object; `NUMBA` and nothing where it
+        asks numba's runtime for more than memory.
     """
     import numba
 
@@ -32,11 +31,20 @@ def compiled(
     dispatcher.compile(types)
     made = dispatcher.overloads[types]
     try:
+        _check_layout()
         returns = _returned(made.signature.return_type)
         text = dispatcher.inspect_llvm(types)
         return returns, object_of(text, made.fndesc.llvm_func_name, symbol, keys)
     except (Unsupported, RuntimeError, AttributeError):  # or numba is built otherwise by now
-        return None
+        return NUMBA, b""
+
+
+def _check_layout() -> None:
+    """Refuse a numba whose blocks of memory begin otherwise than ours do."""
+    from numba.core.runtime import nrtdynmod
+
+    if str(nrtdynmod._meminfo_struct_type) != BLOCK:
+        raise Unsupported
 
 
 def _returned(kind: Any) -> str:

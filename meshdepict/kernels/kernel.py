@@ -12,7 +12,7 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from meshdepict.files import cache
-from meshdepict.kernels.arguments import Key, Unsupported, key_of
+from meshdepict.kernels.arguments import NUMBA, Key, Unsupported, key_of
 from meshdepict.kernels.fingerprint import words_of
 from meshdepict.kernels.intrinsics import Intrinsic
 from meshdepict.kernels.notice import compiling
@@ -72,15 +72,17 @@ class Kernel:
         symbol = f"kernel_{mark}"
         found = _read(cache.kept(name))
         if found is None:
-            from meshdepict.kernels.compiling import compiled
+            from meshdepict.kernels.compiling import compiled  # which loads numba
 
             compiling(self.__name__)
             found = compiled(self.bare, values, keys, symbol)
-            if found is None:
-                return self.dispatcher
             if cache.keep(name, _written(*found)):
                 cache.throw_away_unused(FOLDER)
+            if found[0] == NUMBA:
+                self.dispatcher.recompile()  # its own cache may know an earlier version
         returns, data = found
+        if returns == NUMBA:
+            return self.dispatcher
         return callable_of(data, symbol, keys, returns)
 
     @functools.cached_property
@@ -106,8 +108,16 @@ class Kernel:
     def dispatcher(self) -> Any:
         """What numba has for Python: it runs it where kept machine code can't."""
         from numba import njit
+        from numba.core import config
 
-        return njit(**self.targetoptions, cache=True)(self.py_func)
+        folder, before = cache.cache_folder(), config.CACHE_DIR
+        with _making:
+            if folder is not None:
+                config.CACHE_DIR = str(folder / FOLDER / "numba")
+            try:
+                return njit(**self.targetoptions, cache=True)(self.py_func)
+            finally:
+                config.CACHE_DIR = before
 
     @property
     def _numba_type_(self) -> Any:

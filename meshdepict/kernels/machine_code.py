@@ -17,7 +17,7 @@ from meshdepict.kernels.arguments import Key, Unsupported, flattened, types_of
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-__all__ = ["RETURNED", "callable_of", "machine", "object_of"]
+__all__ = ["BLOCK", "RETURNED", "callable_of", "machine", "object_of"]
 
 _WORDS = {
     ctypes.c_void_p: "ptr", ctypes.c_float: "float", ctypes.c_double: "double",
@@ -68,6 +68,9 @@ define void @NRT_MemInfo_call_dtor(ptr %block) {
     ret void
 }
 """
+BLOCK = "{i64, i8*, i8*, i8*, i64}"
+"""A block's beginning, as numba writes it."""
+
 _OURS = {"NRT_MemInfo_alloc_aligned", "NRT_MemInfo_call_dtor"}
 _FOREIGN = ("NRT_", "numba_", "Py", "_Py", "__svml")  # what only numba's own process offers
 

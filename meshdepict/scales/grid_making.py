@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from meshdepict.errors import MeshdepictError
 from meshdepict.scales.grid_scales import GridSpace, opacity_of
 from meshdepict.scales.grid_smoothing import GridSmoothing
-from meshdepict.scales.ladder import TOLERANCE, Progress, checked_scales, reporter
+from meshdepict.scales.ladder import MEMORY, TOLERANCE, Progress, checked_scales, reporter
 from meshdepict.voxels.grid_normals import packed
 from meshdepict.voxels.grid_samples import Samples, shaded_voxels
 from meshdepict.voxels.grid_sums import Piece
@@ -21,10 +21,7 @@ if TYPE_CHECKING:
     from meshdepict.shapes.volume import Volume
     from meshdepict.voxels.grid import Grid
 
-__all__ = ["MEMORY", "grid_space", "piece_space", "sample_bytes", "space_of_mask"]
-
-MEMORY = 2e9
-"""Bytes that the normals of a grid may take unless more is allowed."""
+__all__ = ["grid_space", "piece_space", "sample_bytes", "space_of_mask"]
 
 
 def grid_space(

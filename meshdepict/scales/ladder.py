@@ -12,6 +12,7 @@ from meshdepict.options import real
 
 __all__ = [
     "FACING",
+    "MEMORY",
     "TOLERANCE",
     "Progress",
     "check_ladder",
@@ -24,6 +25,9 @@ __all__ = [
 FACING = 1
 TOLERANCE = 1e-4
 """What scale spaces are made with unless somebody says otherwise: see `scale_space`."""
+
+MEMORY = 2e9
+"""Bytes that the normals of a volume's voxels may take unless more is allowed."""
 
 Progress = Callable[[float, float], None]
 

@@ -286,10 +286,14 @@ def laid_textures(
         normal_texcoords = np.where(has[1][:, None, None], normal_texcoords, texcoords)
     laid = (has[0] | has[1]) & ~bad
     if bad.any():
-        what = "all" if not laid.any() else f"{np.count_nonzero(bad):,}"
+        count = int(np.count_nonzero(bad))
+        what = f"{count:,} triangles with a texture have"
+        if not laid.any():
+            what = "all triangles with a texture have"
+        elif count == 1:
+            what = "1 triangle with a texture has"
         warnings.warn(
-            f"{what} triangles with a texture have no coordinates in it, or such as are no "
-            "numbers: they are shown without",
+            f"{what} no coordinates in it, or such as are no numbers: shown without",
             MeshdepictWarning,
             stacklevel=2,
         )

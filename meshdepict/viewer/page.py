@@ -71,7 +71,7 @@ def save_page(
         "NAME": html.escape(name),
         "METHOD": html.escape(method),
         "COMPARED": _compared(list(appearances)[1:]),
-        "KEYS": " w: before and after. [ ] or drag: the line." if len(looks) > 1 else "",
+        "KEYS": " w: compare. [ ] or drag: line." if len(looks) > 1 else "",
         "CAPTION": _terms({key: provenance.get(key, "") for key in _IN_CAPTION}),
         "PROVENANCE": _terms(provenance),
         "STYLE": _text("page.css"),

@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 
 import meshdepict as md
+from meshdepict import samples
 from meshdepict.baking.accuracy import ACCURACIES, ADJUSTABLE, numbers_of
 from meshdepict.baking.recipe import load_recipe, merge_recipe
 from meshdepict.errors import MeshdepictError
 from meshdepict.options import options_of
 from meshdepict.shading.registry import METHODS
-from meshdepict.shapes import samples
 
 BALL = samples.golf_ball(600)
 

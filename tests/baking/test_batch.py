@@ -118,7 +118,7 @@ def test_a_first_bake_where_nothing_can_be_drawn_goes_on(run, folder, small_golf
     def fail(*_):
         raise ImportError("libGL.so.1 is missing")
 
-    monkeypatch.setattr(batch, "before_after", fail)
+    monkeypatch.setattr("meshdepict.drawing.before_after.before_after", fail)
     status, (line,), err = run("bake", "-o", "first.ply")
     assert (status, "picture" in line) == (0, False)
     assert "no picture could be drawn (libGL.so.1 is missing)" in err[0]

@@ -88,7 +88,7 @@ def test_a_picture_that_is_missing_ends_albedo_keep_alone(run, painted, folder):
     assert not (folder / "a.mtl").exists()
     status, _, (note,) = run("bake", "scans/a.obj", "-o", "a.obj", *WORDS)
     assert status == 0
-    assert "names the texture 'red.png', which is not there: read without it" in note
+    assert "names the texture 'red.png', which is not there: left out" in note
 
 
 def test_quantised_files_are_for_gltf_alone(run, ball_ply):

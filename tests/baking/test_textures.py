@@ -191,6 +191,15 @@ def test_rays_leave_from_the_texels():
 LIT = {"light": "west:30", "shadows": True, "bounces": 1}
 
 
+@pytest.fixture
+def patient(monkeypatch):
+    """The search for a number of rays takes what it takes: a busy machine would end it sooner."""
+    from meshdepict.shading import sampled
+
+    monkeypatch.setattr(sampled, "AUTO_SECONDS", np.inf)
+
+
+@pytest.mark.usefixtures("patient")
 def test_as_many_rays_as_it_takes_are_recorded_as_a_number_and_how_sure_light_is():
     """Both are the vertices', which stand for the texels."""
     bowl = sheet(12, height=lambda x, y: 0.3 * np.sin(9 * x + y))
@@ -206,6 +215,7 @@ def test_as_many_rays_as_it_takes_are_recorded_as_a_number_and_how_sure_light_is
     assert "light error" not in plain.provenance
 
 
+@pytest.mark.usefixtures("patient")
 def test_layers_find_their_rays_too():
     bowl = sheet(8, height=lambda x, y: 0.3 * np.sin(9 * x + y))
     lit = {"shadows": True, "bounces": 1, "rays": "auto"}

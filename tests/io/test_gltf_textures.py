@@ -468,7 +468,7 @@ def test_quantised_positions_are_for_gltf_alone(tmp_path, build):
     [
         (
             {"uri": "gone.png"},
-            r"names the texture 'gone\.png', which is not there: read without it",
+            r"names the texture 'gone\.png', which is not there: left out",
         ),
         ({"uri": "../up.png"}, r"names the texture '\.\./up\.png', which leads out of its folder"),
         ({"uri": "%2Fetc%2Fhosts"}, "an absolute path: only files in its own folder"),
@@ -524,7 +524,7 @@ def test_a_wrong_texture_leaves_the_shape(tmp_path, build, change, said):
 def test_coordinates_that_are_missing_or_no_numbers(tmp_path, build):
     textured(build, uv=np.where(np.arange(8).reshape(4, 2) == 2, np.nan, UV))
     mesh = build.read(tmp_path)
-    with pytest.warns(MeshdepictWarning, match="1 triangles with a texture have no coordinates"):
+    with pytest.warns(MeshdepictWarning, match="1 triangle with a texture has no coordinates"):
         assert mesh.textures.material.tolist() == [-1, 0]
     textured(other := Builder(), texCoord=4)
     mesh = other.read(tmp_path)

@@ -257,7 +257,7 @@ def test_another_format_says_what_is_lost(home, tmp_path):
 @pytest.mark.parametrize(
     ("name", "said"),
     [
-        ("gone.png", r"names the texture 'gone\.png', which is not there: read without it"),
+        ("gone.png", r"names the texture 'gone\.png', which is not there: left out"),
         ("../paint.png", r"names the texture '\.\./paint\.png', which leads out of its folder"),
         ("/etc/paint.png", "an absolute path: only files in its own folder"),
         ("C:\\paint.png", "an absolute path: only files in its own folder"),

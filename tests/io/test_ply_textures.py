@@ -133,7 +133,7 @@ def test_lists_that_do_not_fit_are_left_out(home):
     lines = wedges()
     lines[-1] = "3 0 2 3 4 0 0 1 1 0"
     mesh = read(home, lines)
-    with pytest.warns(MeshdepictWarning, match="1 triangles with a texture have no coordinates"):
+    with pytest.warns(MeshdepictWarning, match="1 triangle with a texture has no coordinates"):
         assert mesh.textures.material.tolist() == [0, -1]
 
 
@@ -162,7 +162,7 @@ def test_pictures_that_are_missing_or_elsewhere_are_one_note(home):
     (home / "paint.png").unlink()
     lines = [line.replace("b c.png", "../b c.png") for line in wedges()]
     with pytest.warns(MeshdepictWarning, match="names the texture 'paint.png', which is not there "
-                      r"\(and 1 more like that\): read without it") as caught:  # fmt: skip
+                      r"\(and 1 more like that\): left out") as caught:  # fmt: skip
         mesh = read(home, lines)
     assert len(caught) == 1
     with pytest.raises(MeshdepictError, match="which leads out of its folder"):

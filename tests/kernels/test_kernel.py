@@ -110,6 +110,19 @@ def test_what_machine_code_cannot_take_is_left_to_numba(folder):
     assert real(2 + 1j) == 2
 
 
+def test_a_numba_whose_memory_is_laid_out_otherwise_runs_its_own(folder, monkeypatch):
+    from meshdepict.kernels import compiling
+
+    @kernel()
+    def summed(count):
+        return np.ones(count).sum()
+
+    monkeypatch.setattr(compiling, "BLOCK", "{i64, i8*}")
+    assert summed(5) == 5
+    (kept,) = folder.glob("*summed*")
+    assert kept.read_bytes().endswith(b"\n")  # a line that says so, and no machine code
+
+
 def fingerprints(text):
     """Fingerprint of the function f of some lines."""
     names = {"kernel": kernel, "np": np}
@@ -254,6 +267,8 @@ def test_what_extends_numba_is_read_where_something_is_compiled(folder, tmp_path
     def more(number):
         return seven(number)
 
+    with pytest.raises(TypeError, match="seven has a meaning within kernels only"):
+        seven(4)
     before = more.fingerprint
     assert "our_extension" not in sys.modules
     assert more(4) == 11
@@ -261,6 +276,8 @@ def test_what_extends_numba_is_read_where_something_is_compiled(folder, tmp_path
     (tmp_path / "our_extension.py").write_text(EXTENSION.replace("7)", "8)"))
     assert Intrinsic("our_extension", "seven").fingerprint != seven.fingerprint
     assert before == more.fingerprint
+    one, other = (Intrinsic("our_extension", "seven", width).fingerprint for width in (8, 16))
+    assert one != other
 
 
 def test_memory_that_a_kernel_takes_is_given_back(folder):

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 import meshdepict as md
+from meshdepict import samples
 from meshdepict.scales.interpolated_scales import InterpolatedSpace
 from meshdepict.scales.making import scale_space
 from meshdepict.scene.light import Light
-from meshdepict.shapes import samples
 from meshdepict.shapes.gbuffer import GBuffer
 from meshdepict.shapes.mesh import Mesh
 from meshdepict.transport.terminators import lifts_to_patches, smooth_starts

@@ -11,12 +11,12 @@ from textured_shapes import laid, picture
 from textured_views import hill, looked_up, noise
 
 import meshdepict as md
+from meshdepict import samples
 from meshdepict.baking.baked_texture import BakedTexture
 from meshdepict.baking.own_colors import own_appearance
 from meshdepict.errors import MeshdepictError
 from meshdepict.io import read_mesh
 from meshdepict.scene.names import as_view
-from meshdepict.shapes import samples
 from meshdepict.shapes.height_field import HeightField
 from meshdepict.viewer.browser.desk import Desk
 from meshdepict.viewer.session import Session

@@ -10,13 +10,13 @@ import pytest
 from chromium import tab  # noqa: F401
 from PIL import Image
 from textured_shapes import globe, laid, picture, sheet
-from textured_views import hill, looked_up, noise, wrapped
+from textured_views import hill, islands, looked_up, noise, wrapped
 
 import meshdepict as md
+from meshdepict import samples
 from meshdepict.baking.own_colors import own_appearance
 from meshdepict.errors import MeshdepictError
 from meshdepict.scene.names import as_view
-from meshdepict.shapes import samples
 from meshdepict.shapes.mesh import Mesh
 from meshdepict.shapes.textures import Texture
 from meshdepict.viewer.packed_appearance import pack_appearance
@@ -128,6 +128,12 @@ def test_a_texture_of_pairs_is_shown_without_mipmaps(tmp_path):
         text = baked.save(tmp_path / "globe.html").read_text("utf-8")
         info = json.loads(re.search(r'id="info">([^<]*)<', text).group(1))
         assert info["appearances"][0]["parts"][0]["mipmaps"] is (atlas == "own")
+
+
+def test_pairs_show_nothing_beside_their_triangles(tab, tmp_path):  # noqa: F811
+    ball = islands(md.bake_texture(samples.sphere(300), "lambert", size=256, atlas="new"))
+    seen = opened(tab, ball.save(tmp_path / "ball.html"))[4:-4, 4:-4]
+    assert seen.min() >= 238  # paper, white, and what is between them
 
 
 def test_maps_are_no_pages(tmp_path):
