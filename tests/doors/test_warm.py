@@ -73,9 +73,11 @@ def test_no_folder_at_all(run, monkeypatch):
 def test_its_samples_can_be_baked_by_all_that_it_tries():
     works = [*warming._works()]
     assert len(works) > 50
-    for work in works:  # refused are they before any work, so a few vertices will do
-        chosen = {name: value for name, value in work.keywords.items() if name != "size"}
-        check_look(Look(work.args[2], **chosen))
+    looks = {
+        (work.args[2], *work.keywords.items()) for work in works if "size" not in work.keywords
+    }
+    for method, *chosen in looks:  # refused before any work, so a few vertices will do
+        check_look(Look(method, **dict(chosen)))
     names = {work.args[2] for work in works}
     assert {"exaggerated", "light_warping", "texture_shading", "sky_view"} <= names
 
