@@ -95,7 +95,7 @@ class PointGroups:
         last = np.repeat(points.points[-1:], -len(points.points) % WIDE, axis=0)
         self._grouped = np.concatenate([points.points, last]).reshape(-1, WIDE, 3)
         low, high = self._grouped.min(axis=1), self._grouped.max(axis=1)
-        self._middles = (low + high) / 2
+        self._middles, self._sides = (low + high) / 2, (high - low).max(axis=1)
         extent = float((points.points.max(axis=0) - points.points.min(axis=0)).max())
         self._boxes, self._begins = _levels(low, high, _ROUNDED * extent)
         self._sources: dict[type[np.floating[Any]], _Sources] = {}
@@ -138,7 +138,8 @@ class PointGroups:
         sums = make((len(order), len(self._own.channels)), precision)
         if precision == np.float32 and len(wanted):
             # Where sixteen lie on two sides of a gap, single precision would not do.
-            far = np.repeat(self._across(wanted) > _ACROSS * width, WIDE)[: len(wanted)]
+            across = self._sides if targets is None else self._across(wanted)
+            far = np.repeat(across > _ACROSS * width, WIDE)[: len(wanted)]
             if far.any():
                 self._add(wanted[far], width, radius, np.float64, sums)
                 wanted = wanted[~far]
