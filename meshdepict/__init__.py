@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from meshdepict.baking.baked_texture import BakedTexture
     from meshdepict.baking.look import bake, bake_together, bake_volume
     from meshdepict.baking.method_list import methods
+    from meshdepict.baking.out_of_core import bake_lazily, bake_out_of_core
     from meshdepict.baking.plates import plate
     from meshdepict.baking.recipe import load_recipe, save_recipe
     from meshdepict.baking.textures import bake_texture
@@ -56,6 +57,8 @@ __all__ = [
     "View",
     "Volume",
     "bake",
+    "bake_lazily",
+    "bake_out_of_core",
     "bake_texture",
     "bake_together",
     "bake_volume",
@@ -94,6 +97,8 @@ _HOME = {
     "View": "scene.view",
     "Volume": "shapes.volume",
     "bake": "baking.look",
+    "bake_lazily": "baking.out_of_core",
+    "bake_out_of_core": "baking.out_of_core",
     "bake_texture": "baking.textures",
     "bake_together": "baking.look",
     "bake_volume": "baking.look",

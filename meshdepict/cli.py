@@ -32,6 +32,7 @@ app = App(
 # By name, so that a command loads its own modules and no other's.
 _COMMANDS = {
     "bake": "[INPUT...] [OPTIONS]",
+    "batch": "FILES... [OPTIONS]",
     "view": "[INPUT] [OPTIONS]",
     "compare": "[INPUT] [OPTIONS]",
     "volume": "[CT] [OPTIONS]",

@@ -73,7 +73,7 @@ def volume_table(folder: Path) -> list[str]:
         path = folder / f"probe{suffix}"
         write_volume(path, rgba, volume, comments=(LINE,))
         back, place = _rgba(path)
-        data = path.read_bytes()
+        data = (path / ".zattrs" if path.is_dir() else path).read_bytes()
         lines.append(
             f"| {suffix} | {'RGBA, 8 bit' if np.array_equal(back, rgba) else NO} "
             f"| {'kept' if place else NO} | {YES if any(m in data for m in _MARKS) else NO} |"
@@ -89,6 +89,13 @@ def _rgba(path: Path) -> tuple[np.ndarray, bool]:
         image = pv.read(path)
         where = np.allclose(image.origin, (4, 5, 6)) and np.allclose(image.spacing, (1, 2, 3))
         return image.point_data["RGBA"].reshape(3, 4, 5, 4), bool(where)
+    if path.suffix == ".zarr":
+        import zarr
+
+        group = zarr.open_group(path, mode="r")
+        steps = group.attrs["multiscales"][0]["datasets"][0]["coordinateTransformations"]
+        where = [step[step["type"]][1:] for step in steps] == [[3, 2, 1], [6, 5, 4]]
+        return np.moveaxis(group["0"][...], 0, -1), where
     import SimpleITK as sitk
 
     image = sitk.ReadImage(str(path))

@@ -8,7 +8,7 @@ from __future__ import annotations
 import os
 import time
 import warnings
-from collections.abc import Hashable, Iterator, Sequence
+from collections.abc import Hashable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from os.path import exists, isdir, realpath  # unlike Path's, these never raise
@@ -35,6 +35,7 @@ from meshdepict.io import write_mesh
 from meshdepict.io.folders import RASTERS
 from meshdepict.io.source import FORMATS, WRITABLE, suffix_of
 from meshdepict.options import Values, options_of
+from meshdepict.scales.ladder import Progress
 from meshdepict.shading.method import declaration
 from meshdepict.shapes.height_field import HeightField
 from meshdepict.shapes.joined import JoinedMesh
@@ -111,7 +112,7 @@ class Batch:
         """Bake everything that can be baked; return how many failed, each with one line."""
         sources: Sequence[Path | None] = self.inputs or [None]
         done, heard = 0, Heard()
-        jobs = self._jobs()
+        jobs = self.jobs()
         spent = time.process_time()  # by the first of them: the program has begun
         for job in jobs:
             try:
@@ -133,7 +134,7 @@ class Batch:
             complain(f"{done} of {len(sources)} baked")
         return len(sources) - done
 
-    def _jobs(self) -> list[Job]:
+    def jobs(self) -> list[Job]:
         """Choose and check the names of all files to write; complain of those that can't be.
 
         Raises
@@ -211,39 +212,65 @@ class Batch:
         return shape if look.ground is None else JoinedMesh(scene_meshes([shape], look))
 
     def _bake(self, job: Job, heard: Heard, spent: float = 0.0) -> str:
-        """Bake one mesh, write the files and return the line about it.
-
-        Seconds may be ``spent`` already of its budget.
-        """
-        start = time.perf_counter()
+        """Bake one mesh, write the files and return the line about it; see `bake_job`."""
         label = job.source.name if job.source else _GOLF_BALL
         with (
             notes(job.source, quiet=self.quiet, heard=heard),
             progress_bar(label, quiet=self.quiet) as progress,
         ):
-            shape = self._read(job.source)
-            look = self.look.posed(shape)
-            if isinstance(shape, Mesh) and look.ground is not None:
-                look = scene_look([shape], self.look)
-            if job.picture:
-                self._check_fit(shape, look)
-            look = measured(look, self._seen(shape, look), self.figure if job.picture else None)
-            spent += time.perf_counter() - start
-            look, allowed = within_budget(
-                look, shape, spent=spent, writes=True, pictured=job.picture is not None
-            )
-            baked = bake_on_ground(shape, look, progress=progress)
-            if allowed is not None:
-                baked.provenance["budget"] = str(allowed)
-            self._save(baked, job.output)
-            if job.first:
-                job = self._show_first(baked, job, look)
-            elif job.picture:
-                from meshdepict.drawing.picture import save_picture
+            return self.bake_job(job, spent=spent, progress=progress)
 
-                save_picture(baked.scene or baked, job.picture, self.figure)
-            for text in self._remarks(baked, job.output):
-                warnings.warn(text, MeshdepictWarning, stacklevel=2)
+    def bake_job(
+        self,
+        job: Job,
+        *,
+        spent: float = 0.0,
+        marks: Mapping[str, str] | None = None,
+        progress: Progress | None = None,
+    ) -> str:
+        """Bake one mesh, write the files and return the line about it; what is odd it warns of.
+
+        Parameters
+        ----------
+        job : Job
+        spent : float
+            Seconds of its budget that are gone already.
+        marks : mapping of str, optional
+            What else stands in the provenance of what is written.
+        progress : callable, optional
+            ``progress(done, total)``.
+
+        Raises
+        ------
+        MeshdepictError
+            As `bake`, and for a file that can't be read or written.
+        """
+        start = time.perf_counter()
+        shape = self._read(job.source)
+        look = self.look.posed(shape)
+        if isinstance(shape, Mesh) and look.ground is not None:
+            look = scene_look([shape], self.look)
+        if job.picture:
+            self._check_fit(shape, look)
+        look = measured(look, self._seen(shape, look), self.figure if job.picture else None)
+        spent += time.perf_counter() - start
+        look, allowed = within_budget(
+            look, shape, spent=spent, writes=True, pictured=job.picture is not None
+        )
+        baked = bake_on_ground(shape, look, progress=progress)
+        if allowed is not None:
+            baked.provenance["budget"] = str(allowed)
+        for depiction in filter(None, (baked, baked.scene)):
+            depiction.provenance.update(marks or {})
+        self._save(baked, job.output)
+        if job.first:
+            job = self._show_first(baked, job, look)
+        elif job.picture:
+            from meshdepict.drawing.picture import save_picture
+
+            save_picture(baked.scene or baked, job.picture, self.figure)
+        for text in self._remarks(baked, job.output):
+            warnings.warn(text, MeshdepictWarning, stacklevel=2)
         return caption_of(job, baked, time.perf_counter() - start)
 
     def _save(self, baked: Baked, path: Path) -> None:

@@ -21,6 +21,8 @@ from meshdepict.baking.voxel_shading import BESIDE, VoxelShading, voxel_shading
 from meshdepict.errors import MeshdepictError
 from meshdepict.files.pictures import mapped_array
 from meshdepict.files.reach import regular
+from meshdepict.io.about_file import about_file
+from meshdepict.io.ome_zarr import OME_ZARR, ome_array, ome_zarr, zarr_module
 from meshdepict.shapes.place import Place
 from meshdepict.voxels.grid import Triple
 from meshdepict.voxels.grid_normals import in_voxels
@@ -29,9 +31,45 @@ from meshdepict.voxels.grid_sums import Piece, halo
 if TYPE_CHECKING:
     pass
 
-__all__ = ["bake_out_of_core", "lazy_rgba", "settled_lazily"]
+__all__ = ["bake_lazily", "bake_out_of_core", "lazy_rgba", "settled_lazily"]
 
 _BLOCK = 1 << 24  # voxels of a block that is chosen here
+
+
+@takes_choices
+def bake_lazily(
+    source: Any,
+    method: str = "exaggerated",
+    *,
+    spacing: ArrayLike | None = None,
+    origin: ArrayLike | None = None,
+    direction: ArrayLike | None = None,
+    hounsfield: bool | None = None,
+    value_range: tuple[float, float] | None = None,
+    chunks: Triple | None = None,
+    **chosen: Any,
+) -> Any:
+    """Return the RGBA (nz, ny, nx, 4) of a volume as a dask.array, shaded where it is asked for.
+
+    Parameters
+    ----------
+    source, spacing, origin, direction, hounsfield, value_range, chunks, **chosen
+        As for `bake_out_of_core`.
+
+    Returns
+    -------
+    dask.array.Array of uint8
+
+    Raises
+    ------
+    MeshdepictError
+        As `bake_out_of_core`.
+    """
+    told = {
+        "spacing": spacing, "origin": origin, "direction": direction, "hounsfield": hounsfield,
+    }  # fmt: skip
+    values, shading = _shading(source, Choices(method, **chosen), told, value_range)
+    return lazy_rgba(values, shading, chunks=chunks)
 
 
 @takes_choices
@@ -40,10 +78,10 @@ def bake_out_of_core(
     out: str | Path,
     method: str = "exaggerated",
     *,
-    spacing: ArrayLike = (1.0, 1.0, 1.0),
-    origin: ArrayLike = (0.0, 0.0, 0.0),
+    spacing: ArrayLike | None = None,
+    origin: ArrayLike | None = None,
     direction: ArrayLike | None = None,
-    hounsfield: bool = False,
+    hounsfield: bool | None = None,
     value_range: tuple[float, float] | None = None,
     chunks: Triple | None = None,
     **chosen: Any,
@@ -55,11 +93,12 @@ def bake_out_of_core(
     Parameters
     ----------
     source : path, zarr.Array, dask.array.Array or numpy.ndarray
-        Values (nz, ny, nx); paths end in .zarr or .npy.
+        Values (nz, ny, nx); paths end in .ome.zarr, .zarr or .npy.
     out : path
-        .zarr, or .npy, which is mapped into memory and replaces a file once it is complete.
+        .ome.zarr, .zarr, or .npy, which is mapped into memory and replaces a file once it is
+        complete.
     spacing, origin, direction, hounsfield
-        As for `Volume`.
+        As for `Volume`; of an .ome.zarr as it says unless given.
     value_range : (low, high), optional
         Of the values; looked for, block by block, unless given.
     chunks : (z, y, x), optional
@@ -77,30 +116,55 @@ def bake_out_of_core(
     MeshdepictError
         For what can't be read or written, a missing package, and as `bake_volume`.
     """
-    values = _dask_array(source)
-    import dask  # there, or _dask_array has said so
+    told = {
+        "spacing": spacing, "origin": origin, "direction": direction, "hounsfield": hounsfield,
+    }  # fmt: skip
+    values, shading = _shading(source, Choices(method, **chosen), told, value_range)
+    import dask  # there, or it has been said that it isn't
 
-    if value_range is None:
-        value_range = _range(values)
-    place = Place(
-        values.shape, value_range,
-        spacing=spacing, origin=origin, direction=direction, hounsfield=hounsfield,
-    )  # fmt: skip
-    look = Choices(method, **chosen).of_kind("volume")
-    shading = settled_lazily(values, voxel_shading(place, look, transfer=look.transfer))
     rgba = lazy_rgba(values, shading, chunks=chunks)
     provenance = shading.provenance(None, math.nan)
     del provenance["shaded"]  # nobody has counted
     path = Path(out)
     alone = dask.base.get_scheduler() is None
     with dask.config.set(**({"scheduler": "synchronous"} if alone else {})):
-        if path.suffix == ".zarr":
+        if path.name.endswith(OME_ZARR):
+            _to_ome_zarr(rgba, path, shading, provenance)
+        elif path.suffix == ".zarr":
             _to_zarr(rgba, path, provenance)
         elif path.suffix == ".npy":
             _to_npy(rgba, path)
         else:
-            raise MeshdepictError(f"{path}: RGBA goes to a .zarr or .npy, not to {path.suffix!r}")
+            raise MeshdepictError(
+                f"{path}: RGBA goes to an .ome.zarr, .zarr or .npy, not to {path.suffix!r}"
+            )
     return provenance
+
+
+def _shading(
+    source: Any,
+    look: Choices,
+    told: dict[str, Any],
+    value_range: tuple[float, float] | None,
+) -> tuple[Any, VoxelShading]:
+    """Return a volume as a dask array, and how it is shaded."""
+    known: dict[str, Any] = {}
+    if isinstance(source, (str, os.PathLike)) and os.fspath(source).endswith(OME_ZARR):
+        with about_file(Path(source)):
+            source, contents = ome_array(source)
+        known = {**contents.place, "hounsfield": contents.hounsfield}
+        unit = contents.length_unit
+    else:
+        unit = ""
+    values = _dask_array(source)
+    values = values[(0,) * (values.ndim - 3)] if known else values
+    if value_range is None:
+        value_range = _range(values)
+    known |= {name: value for name, value in told.items() if value is not None}
+    place = Place(values.shape, value_range, **known)
+    place.length_unit = unit
+    look = look.of_kind("volume")
+    return values, settled_lazily(values, voxel_shading(place, look, transfer=look.transfer))
 
 
 def settled_lazily(values: Any, shading: VoxelShading) -> VoxelShading:
@@ -224,7 +288,7 @@ def _opened(path: Path) -> Any:
             raise MeshdepictError(f"{path} can't be read: {error}") from None
     if path.suffix != ".zarr":
         raise MeshdepictError(f"{path}: volumes bigger than memory are read from .zarr or .npy")
-    zarr = _zarr()
+    zarr = zarr_module()
     try:
         found = zarr.open(path, mode="r")
     except Exception as error:  # zarr's versions raise errors of several kinds
@@ -232,16 +296,6 @@ def _opened(path: Path) -> Any:
     if not hasattr(found, "ndim"):
         raise MeshdepictError(f"{path} is a zarr group: give the path of an array in it")
     return found
-
-
-def _zarr() -> Any:
-    try:
-        import zarr
-    except ImportError:
-        raise MeshdepictError(
-            "reading and writing .zarr needs zarr: pip install 'meshdepict[cluster]'"
-        ) from None
-    return zarr
 
 
 def _range(values: Any) -> tuple[float, float]:
@@ -264,10 +318,19 @@ def _to_zarr(rgba: Any, path: Path, provenance: dict[str, str]) -> None:
         raise MeshdepictError(f"{path} exists already: a .zarr is not written over")
     # Not the blocks of the work: a viewer wants pieces.
     pieces = (*(min(n, 64) for n in rgba.shape[:3]), 4)
-    target = _zarr().create_array(part, shape=rgba.shape, chunks=pieces, dtype="u1", overwrite=True)
+    target = zarr_module().create_array(
+        part, shape=rgba.shape, chunks=pieces, dtype="u1", overwrite=True
+    )
     target.attrs.update({"meshdepict": provenance, "axes": ["z", "y", "x", "rgba"]})
     da.store(rgba, target, lock=True)
     part.rename(path)
+
+
+def _to_ome_zarr(rgba: Any, path: Path, shading: VoxelShading, provenance: dict[str, str]) -> None:
+    import dask.array as da
+
+    with ome_zarr(path, shading.shape, "u1", rgba=True, comments=provenance) as target:
+        da.store(da.moveaxis(rgba, -1, 0), target, lock=True)
 
 
 def _to_npy(rgba: Any, path: Path) -> None:

@@ -13,7 +13,7 @@ from meshdepict.files.reach import inside
 from meshdepict.options import Choice, Values, options_of
 from meshdepict.shading.registry import find_method
 
-__all__ = ["located", "named_from"]
+__all__ = ["files_named", "located", "named_from"]
 
 
 def located(
@@ -70,6 +70,18 @@ def named_from(
         return Path(name).as_posix()
 
     return _changed(chosen, function, name_of)
+
+
+def files_named(chosen: Mapping[str, Any], function: Callable[..., Any]) -> list[str]:
+    """Return the files that choices and options name, in no other order than theirs."""
+    found: list[str] = []
+
+    def meet(path: str, what: str) -> str:
+        found.append(path)
+        return path
+
+    _changed(chosen, function, meet)
+    return found
 
 
 def _changed(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 from typing import Any, NamedTuple, Protocol
 
@@ -74,6 +74,9 @@ class Shaded(NamedTuple):
     colors: NDArray[np.uint8]
     values: NDArray[np.float32]
     valid: NDArray[np.bool_]
+
+
+Each = Callable[[Iterable[Window]], Iterable[Shaded]]
 
 
 class Relief:
@@ -162,26 +165,43 @@ class Relief:
         """Whether values are linear light."""
         return self._layered is None and self.look.declared.linear
 
-    def windows(self, progress: Progress | None = None) -> Iterator[Shaded]:
+    def windows(
+        self, progress: Progress | None = None, *, each: Each | None = None
+    ) -> Iterator[Shaded]:
         """Shade window after window.
+
+        Parameters
+        ----------
+        progress : callable, optional
+            ``progress(done, total)``.
+        each : callable, optional
+            Shades windows as `shade` does, in any order: by other processes, perhaps.
 
         Raises
         ------
         MeshdepictError
             Where the terrain can't be read, or no cell of it has a height.
         """
-        some = False
-        for done, window in enumerate(self.cut.windows(), 1):
-            field = self._field(window)
-            some = some or field is not None
-            yield self._shaded(field, window)
+        some, windows = False, self.cut.windows()
+        for done, part in enumerate(map(self.shade, windows) if each is None else each(windows), 1):
+            some = some or bool(part.valid.any())
+            yield part
             if progress:
                 progress(done, len(self.cut))
         if not some:
             raise MeshdepictError(f"{self.extent.name or 'the terrain'} holds no heights")
 
+    def shade(self, window: Window) -> Shaded:
+        """Shade a window."""
+        return self._shaded(self._field(window), window)
+
     def save(
-        self, path: str | Path, *, values: bool = False, progress: Progress | None = None
+        self,
+        path: str | Path,
+        *,
+        values: bool = False,
+        progress: Progress | None = None,
+        each: Each | None = None,
     ) -> Path:
         """Shade all windows and write them on the terrain's grid; see `io.relief_files`.
 
@@ -191,8 +211,8 @@ class Relief:
             Ends in .tif (GeoTIFF), .png or .jpg (with a world file).
         values : bool
             Write what the method returns, as float32 in a GeoTIFF, and no colours.
-        progress : callable, optional
-            ``progress(done, total)``.
+        progress, each
+            As for `windows`.
 
         Raises
         ------
@@ -208,7 +228,7 @@ class Relief:
             )
         kind = "values" if values else self.kind
         with relief_writer(path, like=self._given, kind=kind, provenance=self.provenance) as out:
-            for part in self.windows(progress):
+            for part in self.windows(progress, each=each):
                 shown = part.colors[..., 0] if kind == "gray" else part.colors
                 out.write(part.rows, part.columns, part.values if values else shown, part.valid)
         return Path(path)

@@ -38,7 +38,7 @@ class TogetherBatch(Batch):
 
     def run(self) -> int:
         """Bake all, or none where one can't be; return how many failed."""
-        jobs = self._jobs()
+        jobs = self.jobs()
         if len(jobs) < len(self.inputs):
             complain("nothing is baked: all of them are needed together")
             return len(self.inputs)

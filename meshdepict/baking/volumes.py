@@ -213,6 +213,11 @@ def as_volume(volume: object) -> Volume:
         return read_volume(volume)
     if hasattr(volume, "GetClassName"):  # of VTK: an image, or what says which call makes one
         return Volume.from_pyvista(volume)
+    if hasattr(volume, "dask"):
+        raise MeshdepictError(
+            "a dask.array is shaded block by block: take bake_lazily, or bake_out_of_core; or make "
+            "a Volume of it, which is read at once"
+        )
     raise MeshdepictError(
         f"a {type(volume).__name__} is not a volume: give a path, a Volume, a GridSpace or a "
         "pyvista.ImageData"

@@ -91,9 +91,11 @@ def _works() -> Iterator[Callable[[], Any]]:
     sky = Environment(np.ones((8, 16, 3), np.float32) * np.linspace(1, 0.1, 8)[:, None, None])
     for name in _LIT:
         lit = functools.partial(_one_bake, bake, ball, name)
+        yield functools.partial(lit, shadows=True, rays=16, bounces=1)
+        if declaration(METHODS[name]).lights != "several":
+            continue
         yield functools.partial(lit, light="studio")
         yield functools.partial(lit, light=sky)
-        yield functools.partial(lit, shadows=True, rays=16, bounces=1)
         yield functools.partial(lit, light=sky, shadows=True, rays=16)
     yield functools.partial(_one_bake, bake, ball, "exaggerated", tolerance=1e-6)
     yield functools.partial(_one_bake, bake, ball, "exaggerated", facing=0)

@@ -10,7 +10,7 @@ from typing import Annotated
 from cyclopts import Parameter
 
 from meshdepict.commands import parameters
-from meshdepict.commands.parameters import FILES, Everywhere, LookWords, takes_words
+from meshdepict.commands.parameters import EVERYWHERE, FILES, Everywhere, LookWords, takes_words
 from meshdepict.console import notes, progress_bar, say
 from meshdepict.errors import MeshdepictError
 
@@ -31,6 +31,8 @@ def relief(
     height_unit: Annotated[str | None, Parameter(group=FILES)] = None,
     force: Annotated[bool, Parameter(group=FILES, show_default=False)] = False,
     recipe: Annotated[str | None, Parameter(group=FILES)] = None,
+    scheduler: Annotated[str | None, Parameter(group=EVERYWHERE)] = None,
+    workers: Annotated[int | None, Parameter(group=EVERYWHERE, converter=parameters.whole)] = None,
     save_recipe: Annotated[str | None, Parameter(group=FILES)] = None,
     look: LookWords,
     everywhere: Everywhere,
@@ -57,6 +59,11 @@ def relief(
         Replace existing files that meshdepict didn't write.
     recipe
         Take method, light, scales, … from a file; what else is said here comes first.
+    scheduler
+        Let the workers of a Dask cluster shade the windows: its address, tcp://host:8786 for
+        instance; they see the same folders. local: one of this machine's processes.
+    workers
+        Let so many processes of this machine shade the windows.
     save_recipe
         Write them to a file, as they were said: what follows the terrain is each model's own.
     """
@@ -64,6 +71,8 @@ def relief(
     from meshdepict.baking.recipe import save_recipe as write_recipe
     from meshdepict.baking.relief import Relief
     from meshdepict.baking.targets import check_target, identities
+    from meshdepict.distributed.terrain import save_by_workers
+    from meshdepict.distributed.workers import Workers
     from meshdepict.io.relief_files import check_relief
     from meshdepict.io.terrain import Terrain
 
@@ -88,7 +97,11 @@ def relief(
             shaded = Relief(terrain, wanted, spent=spent + time.perf_counter() - start)
             if save_recipe is not None:
                 write_recipe(save_recipe, wanted, force=force)
-            shaded.save(output, values=values, progress=progress)
+            if scheduler is None and workers is None:
+                shaded.save(output, values=values, progress=progress)
+            else:
+                team = Workers(scheduler, workers, everywhere.max_memory)
+                save_by_workers(shaded, output, team, values=values, progress=progress)
     widths = shaded.widths[1:]
     facts = [
         "" if not wanted.lit else f"light {shaded.provenance['light']}",

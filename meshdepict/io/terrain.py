@@ -67,6 +67,7 @@ class Terrain:
 
     def __init__(self, paths: Paths, *, band: int = 1, unit: str | None = None) -> None:
         files = _files(paths)
+        self._opened = [os.path.abspath(path) for path in files], band, unit
         name = chosen_unit(unit)
         if isinstance(band, bool) or not isinstance(band, int):
             raise MeshdepictError(f"band={band!r} is no number of a band: the first is 1")
@@ -182,9 +183,19 @@ class Terrain:
         """Close the files."""
         self.close()
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Return what opens the same files in another process."""
+        return _again, self._opened
+
     def __repr__(self) -> str:
         """Return the size and the file."""
         return f"<Terrain: {self.rows} x {self.cols} cells of {self._name}>"
+
+
+def _again(paths: Sequence[str], band: int, unit: str | None) -> Terrain:
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # what is odd was said when it was opened first
+        return Terrain(paths[0] if len(paths) == 1 else paths, band=band, unit=unit)
 
 
 def _span(given: slice | None, count: int, name: str) -> slice:

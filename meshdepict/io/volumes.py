@@ -1,11 +1,11 @@
-"""Reading and writing volumes: DICOM, NIfTI, NRRD, MetaImage, VTI, stacks and NumPy arrays."""
+"""Reading and writing volumes: DICOM, NIfTI, NRRD, MetaImage, VTI, stacks, OME-Zarr, NumPy."""
 
 from __future__ import annotations
 
 import os
 import re
 import warnings
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -17,6 +17,7 @@ from meshdepict.files.any_numbers import any_numbers
 from meshdepict.files.reach import regular
 from meshdepict.io.about_file import about_file
 from meshdepict.io.dicom_elements import looks_like_dicom
+from meshdepict.io.ome_zarr import OME_ZARR, is_zarr, read_ome_zarr, write_ome_zarr
 from meshdepict.io.volume_contents import VolumeContents
 from meshdepict.io.volume_place import place
 
@@ -33,7 +34,7 @@ _READERS = {
 } | dict.fromkeys(_TIFF, "tiff") | dict.fromkeys(_DICOM, "dicom")  # fmt: skip
 _READABLE = (*_DICOM, ".nii", ".nii.gz", ".nrrd", ".nhdr", ".mha", ".mhd", ".vti", *_TIFF, ".npy")
 _IMPOSSIBLE = (-2048, 40_000)  # no scanner's numbers in HU are beyond
-WRITABLE_VOLUMES = (".vti", ".nrrd", ".mha", ".nii", ".nii.gz")
+WRITABLE_VOLUMES = (".vti", ".nrrd", ".mha", ".nii", ".nii.gz", OME_ZARR)
 """Suffixes that `write_volume` takes."""
 
 
@@ -82,7 +83,8 @@ def read_volume(
     path : str or path-like
         A folder of DICOM files (its subfolders included), a DICOMDIR, or one file of a series;
         .nii, .nii.gz, .nrrd, .nhdr, .mha, .mhd, .vti; a .tif of many pages, or a folder of slices
-        as TIFF, BMP, PNG or JPEG; .npy, an array (z, y, x), which is mapped into memory.
+        as TIFF, BMP, PNG or JPEG; .npy, an array (z, y, x), which is mapped into memory; a folder
+        of OME-Zarr, .ome.zarr, its finest level.
     series : str or int, optional
         Which of several DICOM series in a folder: its id, or its number in the list that the
         error shows.
@@ -163,7 +165,8 @@ def write_volume(
     Parameters
     ----------
     path : str or path-like
-        Ends in .vti, .nrrd (compressed), .mha, .nii or .nii.gz.
+        Ends in .vti, .nrrd (compressed), .mha, .nii, .nii.gz or .ome.zarr, a folder that is not
+        written over.
     values : (nz, ny, nx) or (nz, ny, nx, 4) array_like
         Scalars, ``volume.values`` for instance, or RGBA as uint8.
     volume : Volume
@@ -194,19 +197,24 @@ def write_volume(
         )
     if array.dtype == bool or array.dtype == np.float16:
         array = array.astype(np.uint8 if array.dtype == bool else np.float32)
-    write = vti.write_vti if suffix == ".vti" else itk.write_itk
+    write: Callable[..., None] = vti.write_vti if suffix == ".vti" else itk.write_itk
+    if suffix == OME_ZARR:
+        write = write_ome_zarr
     write(path, np.ascontiguousarray(array), volume, comments)
 
 
 def _suffix(path: Path) -> str:
     name = path.name.lower()
-    return ".nii.gz" if name.endswith(".nii.gz") else path.suffix.lower()
+    double = next((end for end in (".nii.gz", OME_ZARR) if name.endswith(end)), None)
+    return double or path.suffix.lower()
 
 
 def _kind(path: Path) -> str:
     """Return which reader a path is for."""
     if not path.exists():
         raise MeshdepictError("there is no such file or folder")
+    if path.is_dir() and is_zarr(path):
+        return "zarr"
     if path.is_dir():
         from meshdepict.io.image_stack import IMAGES, image_slices
 
@@ -262,6 +270,8 @@ def _contents(path: Path, kind: str, series: str | int | None, tilt: str) -> Vol
         from meshdepict.io.vti import read_vti
 
         return read_vti(path)
+    if kind == "zarr":
+        return read_ome_zarr(path)
     if kind == "tiff" and is_map_tiff(path):
         raise MeshdepictError(
             "is an elevation model or another map (GeoTIFF), not a volume: read it as a height "

@@ -22,19 +22,25 @@ class Intrinsic:
     Parameters
     ----------
     module, name : str
+    *constants
+        What the module takes from elsewhere.
     """
 
-    def __init__(self, module: str, name: str) -> None:
-        self.module, self.name = module, name
+    def __init__(self, module: str, name: str, *constants: Any) -> None:
+        self.module, self.name, self.constants = module, name, constants
+
+    def __call__(self, *_: Any) -> Any:
+        """Refuse: kernels alone call it, and numba reads them."""
+        raise TypeError(f"{self.name} has a meaning within kernels only")
 
     @functools.cached_property
     def fingerprint(self) -> str:
-        """Of the file that it stands in."""
+        """Of the file that it stands in, and of what that takes from elsewhere."""
         found = importlib.util.find_spec(self.module)
         assert found is not None
         assert found.origin is not None
         text = Path(found.origin).read_bytes()
-        return hashlib.sha256(text + self.name.encode()).hexdigest()
+        return hashlib.sha256(text + repr((self.name, self.constants)).encode()).hexdigest()
 
     @property
     def _numba_type_(self) -> Any:

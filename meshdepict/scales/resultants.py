@@ -27,7 +27,8 @@ def resultants(sums, looking, along, least, first, last, found, mass, share):  #
     mass : (n,) array
         Σ A F G.
     share : (n,) array
-        ‖m‖ of the mass, not below ``least``; 1 where there is none.
+        ‖m‖ of the mass, or four times that of Σ A G if it is less, not below ``least``; 1 where
+        there is no mass.
     """
     for i in range(first, last):
         s = sums[i]
@@ -46,7 +47,9 @@ def resultants(sums, looking, along, least, first, last, found, mass, share):  #
         found[0, i], found[1, i], found[2, i] = x, y, z
         mass[i] = m
         length = math.sqrt(x * x + y * y + z * z)
-        share[i] = max(length / m, least) if m > 0 else 1.0
+        # Sums are off by a share of Σ A G, however little of it F leaves; mostly by less than a
+        # quarter of what they may be.
+        share[i] = max(min(length / m, 4 * length / float(s[0])), least) if m > 0 else 1.0
 
 
 @kernel("contracted")

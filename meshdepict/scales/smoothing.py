@@ -46,7 +46,7 @@ class NormalSums:
         self.tolerance = tolerance
         self.points, self.channels = mesh.unit_points, self._channels(mesh, corner_normals)
         patches = getattr(mesh, "patches", None)  # beyond a crease is another surface
-        scaled = [self._scaled(width) for width in widths]
+        scaled = [self.scaled(width) for width in widths]
         self._sums = PatchSums(patches, self.points, self.channels, scaled)
 
     def _channels(
@@ -55,30 +55,32 @@ class NormalSums:
         """Return what is summed, (c, n)."""
         if corner_normals is None:
             areas = mesh.unit_areas / (mesh.unit_areas.max() or 1.0)
-            return np.array(self._moments(areas, mesh.normals.T))
+            return np.array(self.moments(areas, mesh.normals.T, self.facing))
         # What lies round a vertex on several sides of a crease counts with the normals of all.
         points, apart = (
             mesh.unit_points[mesh.faces.ravel()],
             np.arange(mesh.faces.size).reshape(-1, 3),
         )
         areas = mixed_voronoi_areas(points, apart)
-        moments = self._moments(areas, corner_normals.reshape(-1, 3).T)
+        moments = self.moments(areas, corner_normals.reshape(-1, 3).T, self.facing)
         at, count = mesh.faces.ravel(), len(mesh.vertices)
         channels = np.array([np.bincount(at, moment, minlength=count) for moment in moments])
         channels /= channels[0].max() or 1.0
         return channels
 
-    def _scaled(self, width: float) -> float:
+    def scaled(self, width: float) -> float:
+        """Return a width in diagonals."""
         # Narrower than any two distinct positions can be apart, a Gaussian is a single point.
         return max(float(width) / self.unit, 1e-18)
 
-    def _moments(
-        self, areas: NDArray[np.float64], n: NDArray[np.float64]
+    @staticmethod
+    def moments(
+        areas: NDArray[np.float64], n: NDArray[np.float64], facing: int
     ) -> list[NDArray[np.float64]]:
         """Return what is to be summed: A, A n and, for facing, A n nᵀ, of normals (3, n)."""
         # F is linear in r·n_j: facing needs the second moments Σ A G n nᵀ and nothing else. Their
         # trace is Σ A G.
-        second = [areas * n[a] * n[b] for a, b in _SYMMETRIC[:-1]] if self.facing else []
+        second = [areas * n[a] * n[b] for a, b in _SYMMETRIC[:-1]] if facing else []
         return [areas, *(areas * n), *second]
 
     def direction(
@@ -94,7 +96,7 @@ class NormalSums:
         """
         # A first pass for resultants that are a fair share of the mass …
         error = self.tolerance / 4
-        scaled = self._scaled(width)
+        scaled = self.scaled(width)
         reference = finer() if self.facing else None
         sums = self._sums.at(scaled, error=error, done=done)
         vector, mass, share = self._resultant(sums, reference)

@@ -22,6 +22,7 @@ __all__ = [
     "BROAD_CONFORMITY",
     "CONFORMITY",
     "CONFORMITY_OF_PLANES",
+    "SAMPLES",
     "SATURATED",
     "STEEPEST",
     "FittedTones",
@@ -69,7 +70,8 @@ _SHARES = 0.05, 0.2  # of samples on planes: no shape of planes, and one; scans 
 _BASES = np.geomspace(8.0, 64.0, 61)  # times the paper's base coat; below 8 planes stay mid-grey
 _CLIPPED, _CLIPPED_PLANES = 0.01, 0.05  # share of samples that contrast may take to black and white
 _MOST_CONTRAST = 2.0
-_SAMPLES = 8_000  # that are looked at; spread evenly over more
+SAMPLES = 8_000
+"""How many samples are looked at, spread evenly over all."""
 _AZIMUTHS, _HEIGHTS = 8, 2  # lights round every sample; those from below give the negative
 
 Single = NDArray[np.float32]
@@ -145,7 +147,7 @@ def _rounded(number: float) -> float:
 
 def _some(space: ScaleSpace) -> Single:
     """Return normals (scales + 1, k, 3) of samples that stand for all."""
-    step = max(1, math.ceil(space.count / _SAMPLES))
+    step = max(1, math.ceil(space.count / SAMPLES))
     return np.ascontiguousarray(space.normals[:, ::step])
 
 

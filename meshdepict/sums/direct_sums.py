@@ -27,6 +27,7 @@ from meshdepict.sums.lanes import (
     nothing,
     plus,
     power_of_two,
+    rounded,
     store,
     times,
     within,
@@ -42,6 +43,7 @@ Ints = NDArray[np.int64]
 SINGLE_FLOOR = 2e-6  # relative error that single precision reaches safely in these sums
 
 _TOGETHER = 128  # sources, about, that are added up before their sum is: for the sake of rounding
+_ACROSS = 100  # widths of a box, in which numbers of single precision are off by 3e-6 widths
 _PIECE = 64  # groups of targets that a thread takes at a time
 
 # In these units of the width the Gaussian exp(−d²/2) is 2^(−d²).
@@ -76,7 +78,7 @@ def exact_sums(points: Floats, channels: Floats, width: float) -> Floats:
 class _Sources(NamedTuple):
     """Groups in one precision; points that fill up the last one have no channels."""
 
-    local: NDArray[Any]  # (groups, 3, WIDE): from the middle of a group, all in one row
+    local: Floats  # (groups, 3, WIDE): from the middle of a group, all in one row
     values: NDArray[Any]  # (groups, WIDE, c), all in one row
 
 
@@ -105,7 +107,7 @@ class PointGroups:
             values = np.zeros((self._grouped.size // 3, len(own.channels)), precision)
             single = precision == np.float32
             values[: len(own.order)] = own.rows if single else own.channels.T[own.order]
-            self._sources[precision] = _Sources(local.astype(precision).ravel(), values.ravel())
+            self._sources[precision] = _Sources(local.ravel(), values.ravel())
         return self._sources[precision]
 
     def sums(
@@ -134,16 +136,41 @@ class PointGroups:
         wanted = np.arange(len(order)) if targets is None else np.flatnonzero(targets[order])
         make = np.empty if targets is None else np.zeros
         sums = make((len(order), len(self._own.channels)), precision)
-        sources = self._in_groups(precision)
+        if precision == np.float32 and len(wanted):
+            # Where sixteen lie on two sides of a gap, single precision would not do.
+            far = np.repeat(self._across(wanted) > _ACROSS * width, WIDE)[: len(wanted)]
+            if far.any():
+                self._add(wanted[far], width, radius, np.float64, sums)
+                wanted = wanted[~far]
+        self._add(wanted, width, radius, precision, sums)
+        return sums.T
+
+    def _across(self, wanted: Ints) -> Floats:
+        """Return the longest side of the box round every sixteen of some points."""
+        begins = np.arange(0, len(wanted), WIDE)
+        points = self._own.points[wanted]
+        low, high = np.minimum.reduceat(points, begins), np.maximum.reduceat(points, begins)
+        found: Floats = (high - low).max(axis=1)
+        return found
+
+    def _add(
+        self,
+        wanted: Ints,
+        width: float,
+        radius: float,
+        precision: type[np.floating[Any]],
+        sums: NDArray[Any],
+    ) -> None:
+        """Fill the sums (n, c) at some points, sixteen after each other at a time."""
+        sources, like = self._in_groups(precision), many(WIDE * sums.shape[1])
         scale = 1 / (width * _UNIT)
         each(
             lambda a, b: _sum_groups(
-                self._own.points, order, wanted, *sources, self._middles, self._boxes, self._begins,
-                scale, radius / _UNIT, many(WIDE * sums.shape[1]), a, b, sums,
+                self._own.points, self._own.order, wanted, *sources, self._middles, self._boxes,
+                self._begins, scale, radius / _UNIT, like, a, b, sums,
             ),
             spans(-(-len(wanted) // WIDE), max(1, len(wanted) // (WIDE * _PIECE))),
         )  # fmt: skip
-        return sums.T
 
 
 def _levels(low: Floats, high: Floats, wider: float) -> tuple[NDArray[np.float32], Ints]:
@@ -189,6 +216,12 @@ def _near(box, boxes, row, limit):  # type: ignore[no-untyped-def]
 
 
 @kernel("free", inline=True)
+def _moved(local, row, by, factor, values):  # type: ignore[no-untyped-def]
+    """Return where sources are along an axis, from the middle of the targets, in their units."""
+    return rounded(times(plus(load(local, row, _ONE), fill(by)), factor), values)
+
+
+@kernel("free", inline=True)
 def _outside(place, half, zero):  # type: ignore[no-untyped-def]
     """Return how far places are from an interval about zero."""
     return larger(larger(minus(place, half), minus(zero, plus(place, half))), zero)
@@ -219,7 +252,7 @@ def _sum_groups(  # type: ignore[no-untyped-def]
         As many vectors as channels.
     sums : (n, c) array
     """
-    of = local.dtype.type
+    of = values.dtype.type
     c = sums.shape[1]
     middle, half = np.empty(3), np.empty(3)
     box = np.empty(6, np.float32)
@@ -227,7 +260,7 @@ def _sum_groups(  # type: ignore[no-untyped-def]
     targets, places = np.empty(3 * WIDE, values.dtype), np.empty(3 * WIDE, values.dtype)
     found = np.empty(len(like) * WIDE, values.dtype)
     masks, blocks = np.empty(len(begins), np.int64), np.empty(len(begins), np.int64)
-    factor, limit = fill(of(scale)), fill(of(radius) * of(radius))
+    factor, limit = fill(scale), fill(of(radius) * of(radius))
     zero, zeros = nothing(values, _ONE), nothing(values, like)
     for group in range(first, last):
         begin, end = group * WIDE, min(group * WIDE + WIDE, len(wanted))
@@ -262,18 +295,9 @@ def _sum_groups(  # type: ignore[no-untyped-def]
                 masks[level] = _near(box, boxes, (begins[level] + child) * 6 * WIDE, single)
                 continue
             row = child * 3 * WIDE
-            sx = plus(
-                times(load(local, row, _ONE), factor),
-                fill(of((middles[child, 0] - middle[0]) * scale)),
-            )
-            sy = plus(
-                times(load(local, row + WIDE, _ONE), factor),
-                fill(of((middles[child, 1] - middle[1]) * scale)),
-            )
-            sz = plus(
-                times(load(local, row + 2 * WIDE, _ONE), factor),
-                fill(of((middles[child, 2] - middle[2]) * scale)),
-            )
+            sx = _moved(local, row, middles[child, 0] - middle[0], factor, values)
+            sy = _moved(local, row + WIDE, middles[child, 1] - middle[1], factor, values)
+            sz = _moved(local, row + 2 * WIDE, middles[child, 2] - middle[2], factor, values)
             x, y, z = _outside(sx, hx, zero), _outside(sy, hy, zero), _outside(sz, hz, zero)
             bits = within(plus(times(x, x), plus(times(y, y), times(z, z))), limit)
             store(sx, places, 0)

@@ -140,18 +140,24 @@ class PointGrid:
     points : OrderedPoints
     widths : sequence of float
         At which sums will be asked for; others share nothing.
+    origin : (3,) array, optional
+        Where nodes are counted from, below all points; where that suits best unless given.
     """
 
-    def __init__(self, points: OrderedPoints, widths: Iterable[float] = ()) -> None:
+    def __init__(
+        self, points: OrderedPoints, widths: Iterable[float] = (), *, origin: Floats | None = None
+    ) -> None:
         places = points.points
         low, high = places.min(axis=0), places.max(axis=0)
         self._longest = float((high - low).max()) or 1.0
-        axes = np.argsort(high - low, kind="stable")  # layers are cut across the longest
-        self._points = (places - low)[:, axes]
+        if origin is None:  # layers are cut across the longest axis
+            self._points = (places - low)[:, np.argsort(high - low, kind="stable")]
+        else:
+            self._points = places - origin
         self._order = points.order
         self._shape = points.rows.shape
         self._values = np.append(points.rows.ravel(), np.zeros(WIDE, np.float32))
-        cell = (self._points * (_COARSE / self._longest)).astype(np.int64) @ (1, 32, 1024)
+        cell = ((places - low) * (_COARSE / self._longest)).astype(np.int64) @ (1, 32, 1024)
         occupied = int(np.count_nonzero(np.bincount(cell)))
         self._area = _area(occupied, self._longest)
         self._widths = sorted(widths)

@@ -159,7 +159,9 @@ def test_wrong_input_says_so(head: Volume, tmp_path: Path) -> None:
     ):
         with pytest.raises(MeshdepictError, match=sentence):
             bake(source)
-    with pytest.raises(MeshdepictError, match=r"goes to a \.zarr or \.npy, not to '\.png'"):
+    with pytest.raises(
+        MeshdepictError, match=r"goes to an \.ome\.zarr, \.zarr or \.npy, not to '\.png'"
+    ):
         bake(head.values, "out.png")
     with pytest.raises(MeshdepictError, match="exists already"):
         bake(head.values, "there.zarr")

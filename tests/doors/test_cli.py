@@ -13,7 +13,7 @@ from meshdepict.baking import batch, method_list
 # --- help -----------------------------------------------------------------------------------------
 
 
-COMMANDS = ("bake", "view", "compare", "volume", "plate", "movie", "info", "methods")
+COMMANDS = ("bake", "batch", "view", "compare", "volume", "plate", "movie", "info", "methods")
 
 
 @pytest.mark.parametrize("words", [(), ("--help",), ("-h",), ("help",)])

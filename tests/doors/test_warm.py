@@ -10,6 +10,8 @@ import pytest
 from conftest import PATIENCE
 
 from meshdepict.baking import warming
+from meshdepict.baking.batch import check_look
+from meshdepict.baking.look import Look
 from meshdepict.errors import MeshdepictError
 from meshdepict.threads import kernel
 
@@ -68,9 +70,14 @@ def test_no_folder_at_all(run, monkeypatch):
         warming.warm()
 
 
-def test_its_samples_can_be_baked_by_all_that_it_tries(folder):
+def test_its_samples_can_be_baked_by_all_that_it_tries():
     works = [*warming._works()]
     assert len(works) > 50
+    looks = {
+        (work.args[2], *work.keywords.items()) for work in works if "size" not in work.keywords
+    }
+    for method, *chosen in looks:  # refused before any work, so a few vertices will do
+        check_look(Look(method, **dict(chosen)))
     names = {work.args[2] for work in works}
     assert {"exaggerated", "light_warping", "texture_shading", "sky_view"} <= names
 

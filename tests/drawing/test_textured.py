@@ -7,6 +7,7 @@ from textured_shapes import globe
 from textured_views import hill, islands, looked_up, wrapped
 
 import meshdepict as md
+from meshdepict import samples
 from meshdepict.baking.own_colors import own_appearance
 from meshdepict.drawing import textured
 from meshdepict.drawing.canvas import off_screen, pixels_of
@@ -16,7 +17,6 @@ from meshdepict.drawing.picture_files import read_picture_provenance
 from meshdepict.drawing.textured import add_appearance
 from meshdepict.errors import MeshdepictError
 from meshdepict.scene.names import as_view
-from meshdepict.shapes import samples
 
 pytest.importorskip("pyvista")
 

@@ -47,7 +47,7 @@ def spoiled(array):
 BALL = md.Mesh(*golf_ball())
 COUNT = len(BALL.vertices)
 SPACE = md.scale_space(BALL, scales=2)
-ENVIRONMENT = np.random.default_rng(1).random((4, 8, 3))
+ENVIRONMENT = np.random.default_rng(1).random((2, 4, 3))
 CUBE = np.arange(64.0).reshape(4, 4, 4)
 FLAT = np.tile([0.0, 0.0, 1.0], (42, 1))
 EYE = md.View((0, 0, 5), (0, 0, 0), (0, 1, 0), height_px=6, field_of_view=30)

@@ -267,6 +267,8 @@ def test_what_extends_numba_is_read_where_something_is_compiled(folder, tmp_path
     def more(number):
         return seven(number)
 
+    with pytest.raises(TypeError, match="seven has a meaning within kernels only"):
+        seven(4)
     before = more.fingerprint
     assert "our_extension" not in sys.modules
     assert more(4) == 11
@@ -274,6 +276,8 @@ def test_what_extends_numba_is_read_where_something_is_compiled(folder, tmp_path
     (tmp_path / "our_extension.py").write_text(EXTENSION.replace("7)", "8)"))
     assert Intrinsic("our_extension", "seven").fingerprint != seven.fingerprint
     assert before == more.fingerprint
+    one, other = (Intrinsic("our_extension", "seven", width).fingerprint for width in (8, 16))
+    assert one != other
 
 
 def test_memory_that_a_kernel_takes_is_given_back(folder):

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from meshdepict import samples
+from meshdepict import samples, threads
 from meshdepict.sums import direct_sums as direct
 from meshdepict.sums import gaussian
 from meshdepict.sums import spectral_sums as spectral
@@ -122,6 +122,28 @@ def test_the_compiled_gaussian_is_the_gaussian(kind, rng):
     sums = direct.PointGroups(OrderedPoints(points, c)).sums(1.0, 20.0, kind)[0]
     tolerance = 1e-11 if kind == np.float64 else 1e-4  # t itself is rounded: relative error t·eps
     np.testing.assert_allclose(sums, np.exp(-0.5 * points[:, 0] ** 2), rtol=tolerance)
+
+
+@pytest.mark.parametrize("kind", [np.float32, np.float64])
+def test_neighbours_are_the_same_bits_on_any_number_of_threads(kind, rng):
+    points = surface(5000)
+    c = channels(points, rng, 9)
+    found = []
+    for count in (1, 2, 5):
+        threads.limit(count)
+        found.append(direct.PointGroups(OrderedPoints(points, c)).sums(0.05, 5.0, kind))
+    threads.limit(None)
+    np.testing.assert_array_equal(found[0], found[1])
+    np.testing.assert_array_equal(found[0], found[2])
+
+
+def test_neighbours_far_from_all_others_are_found(rng):
+    """And as accurate: sixteen together may lie on two sides of a gap."""
+    points = np.vstack([surface(300) + np.array([1e3 * k, 0, 0]) for k in range(7)])
+    c = channels(points, rng)
+    exact = direct.exact_sums(points, c, 0.2)
+    sums = direct.PointGroups(OrderedPoints(points, c)).sums(0.2, 7.0, np.float32)
+    assert np.max(np.abs(sums - exact) / exact[0]) <= 1e-5
 
 
 def test_all_points_at_one_place(rng):

@@ -118,7 +118,6 @@
 
   const App = {
     template: PANEL,
-    mixins: [window.looks],
     inject: ["trame"],
     data() {
       const state = this.trame.state;
@@ -329,5 +328,9 @@
     },
   };
 
-  window.meshdepict = { install(app) { app.component("depict-app", App); } };
+  window.meshdepict = {
+    install(app) { // by now all scripts are there, which come in any order
+      app.component("depict-app", { ...App, mixins: [window.looks] });
+    },
+  };
 })();

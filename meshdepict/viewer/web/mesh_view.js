@@ -98,6 +98,7 @@ window.MeshView = (() => {
 
     /* Show another appearance, too, on the left; or none. */
     compare(appearance) {
+      if (this.before === appearance) return;
       this.before = appearance;
       this.draw();
     }
