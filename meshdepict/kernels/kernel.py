@@ -22,7 +22,7 @@ __all__ = ["FOLDER", "Kernel"]
 FOLDER = "kernels"
 """Where kernels lie in the folder of `meshdepict.files.cache`."""
 
-_FORM = 1  # of the files, to be counted up with what is in them
+_FORM = 2  # of the files, to be counted up with what is in them
 _making = threading.RLock()
 
 
