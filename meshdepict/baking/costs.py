@@ -44,7 +44,7 @@ TYPICAL_SECONDS = 0.35e-6
 
 TEXEL_SECONDS = 0.3e-6
 
-FILE_SECONDS = {"mesh": 1.0e-6, "volume": 0.02e-6, "image": 0.0, "height field": 0.4e-6}
+FILE_SECONDS = {"mesh": 1.0e-6, "volume": 0.02e-6, "image": 0.0, "height field": 0.1e-6}
 """Writing, and what is remarked about colours between vertices."""
 PICTURE_SECONDS = 1.2
 
@@ -55,7 +55,7 @@ PROGRAM_SECONDS = 0.55
 
 # Kernels are loaded when first called: those of sums and of shading with any method that smooths,
 # which has loaded one of these modules; those of curvature and of rays with the first that asks.
-SMOOTHING_SECONDS = {"mesh": 0.75, "volume": 0.75, "height field": 0.6}
+SMOOTHING_SECONDS = {"mesh": 0.4, "volume": 0.75, "height field": 0.3}
 _SMOOTHED = tuple(
     f"meshdepict.shading.{name}_kernel" for name in ("exaggerated", "material", "alignment")
 )
