@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import inspect
+import os
+import subprocess
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -10,6 +13,7 @@ from sphinx.application import Sphinx
 
 import meshdepict as md
 from meshdepict import color, congruence, curvature, samples
+from meshdepict.cli import _COMMANDS
 
 _PARTS = {
     "samples": (samples, "Samples", "Procedural shapes, the same bits every time."),
@@ -37,10 +41,29 @@ def write_pages(app: Sphinx) -> None:
         ("Functions", "What `import meshdepict as md` has.", functions),
     ):
         _write(home / f"{title.lower()}.md", title, words, "meshdepict", listed, things)
+    _write_commands(home / "commands.md")
     for key, (module, title, words) in _PARTS.items():
         listed = list(module.__all__)
         found = {name: getattr(module, name) for name in listed}
         _write(home / f"{key}.md", title, words, module.__name__, listed, found)
+
+
+def _write_commands(path: Path) -> None:
+    """Write what each command says of itself."""
+    parts = ["# Commands", "What `meshdepict COMMAND --help` says."]
+    for name in _COMMANDS:
+        said = subprocess.run(
+            [sys.executable, "-m", "meshdepict", name, "--help"],
+            env={**os.environ, "COLUMNS": "96", "NO_COLOR": "1", "TERM": "dumb"},
+            capture_output=True, text=True, check=True, encoding="utf-8",
+        )  # fmt: skip
+        parts.append(f"## meshdepict {name}\n\n```text\n{said.stdout.strip()}\n```")
+    _keep(path, "\n\n".join(parts) + "\n")
+
+
+def _keep(path: Path, text: str) -> None:
+    if not path.exists() or path.read_text(encoding="utf-8") != text:
+        path.write_text(text, encoding="utf-8")
 
 
 def _write(
@@ -56,6 +79,4 @@ def _write(
         else:
             continue
         parts.append(f"```{{eval-rst}}\n{made}\n```")
-    text = "\n\n".join(parts) + "\n"
-    if not path.exists() or path.read_text(encoding="utf-8") != text:
-        path.write_text(text, encoding="utf-8")
+    _keep(path, "\n\n".join(parts) + "\n")
