@@ -29,6 +29,7 @@ extensions = [
 ]
 exclude_patterns = [
     "_build",
+    "accuracy_predictions.md",
     "extension",
     "methods/index.in.md",
     "examples",
