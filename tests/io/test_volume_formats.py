@@ -126,6 +126,13 @@ def test_rgba_is_written_where_the_volume_is(tmp_path, suffix, rng):
         np.testing.assert_array_equal(image.point_data["RGBA"].reshape(rgba.shape), rgba)
         assert image.point_data.active_scalars_name == "RGBA"
         origin = image.origin
+    elif suffix == ".ome.zarr":
+        zarr = pytest.importorskip("zarr")
+        group = zarr.open_group(str(path), mode="r")
+        np.testing.assert_array_equal(np.moveaxis(group["0"][:], 0, -1), rgba)
+        (image,) = group.attrs["multiscales"]
+        steps = image["datasets"][0]["coordinateTransformations"]
+        origin = next(step["translation"] for step in steps if "translation" in step)[:0:-1]
     else:
         image = sitk.ReadImage(str(path))
         np.testing.assert_array_equal(sitk.GetArrayViewFromImage(image), rgba)

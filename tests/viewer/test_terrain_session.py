@@ -214,4 +214,4 @@ def test_the_page_has_the_slider_and_its_mesh_is_stretched(field):
     assert desk.apply([["option", "exaggerated", "z_factor", None]]) == ""
     assert desk.session.z_factor == 1
     assert desk.name("ply") == "hill-exaggerated.ply"
-    assert desk.save("ply", desk.baked(), (300, 200))[:3] == b"ply"
+    assert desk.save("ply", desk.shown("ply"), (300, 200))[:3] == b"ply"
