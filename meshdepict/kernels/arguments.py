@@ -12,6 +12,7 @@ from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 __all__ = ["NUMBA", "Key", "Unsupported", "flattened", "key_of", "types_of"]
 
@@ -35,6 +36,7 @@ _SCALARS: dict[str, Any] = {
 }  # fmt: skip
 _PYTHON = {bool: "bool", int: "int64", float: "float64"}
 _ELEMENTS = {*_SCALARS, "complex64", "complex128"}
+_seen: dict[Any, Key] = {}  # of arrays, by what tells them apart at once
 _LAYOUTS = {(True, True): "C", (True, False): "C", (False, True): "F", (False, False): "A"}
 
 
@@ -42,11 +44,11 @@ def key_of(value: Any) -> Key:
     """Return the type of an argument as numba sees it, to be hashed and written down."""
     kind = type(value)
     if kind is np.ndarray:
-        flags = value.flags
-        if value.dtype.name not in _ELEMENTS or not value.dtype.isnative or not flags.aligned:
-            raise Unsupported
-        layout = _LAYOUTS[flags.c_contiguous, flags.f_contiguous]
-        return ("array", value.dtype.name, value.ndim, layout, flags.writeable)
+        mark = value.dtype, value.ndim, value.flags.num
+        key = _seen.get(mark)
+        if key is None:
+            key = _seen[mark] = _array_key(value)
+        return key
     if name := _PYTHON.get(kind):
         if kind is int and not -(2**63) <= value < 2**63:
             raise Unsupported
@@ -58,6 +60,14 @@ def key_of(value: Any) -> Key:
     if kind is type and issubclass(value, np.generic):
         return ("type", value.__name__)
     raise Unsupported
+
+
+def _array_key(value: NDArray[Any]) -> Key:
+    flags = value.flags
+    if value.dtype.name not in _ELEMENTS or not value.dtype.isnative or not flags.aligned:
+        raise Unsupported
+    layout = _LAYOUTS[flags.c_contiguous, flags.f_contiguous]
+    return ("array", value.dtype.name, value.ndim, layout, flags.writeable)
 
 
 def types_of(key: Key) -> Iterator[Any]:

@@ -13,6 +13,7 @@ from meshdepict.threads import each, kernel, spans, thread_count
 __all__ = ["combine_bands", "combine_cosines"]
 
 _BLOCK = 512  # samples whose running sums stay in the fastest cache
+_MANY = 2_000_000  # normals: of fewer, threads take as long to begin as one takes for all
 
 
 def combine_bands(
@@ -37,7 +38,7 @@ def combine_bands(
         exaggeration.astype(np.float32), np.float32(singular**2),
         np.empty(0, np.float32) if remoteness is None else remoteness, sums,
     )  # fmt: skip
-    pieces = thread_count() if count > 20_000 else 1
+    pieces = thread_count() if count * len(space.planes) > _MANY else 1
     each(lambda a, b: _combine(*arguments, a, b), spans(count, pieces))
     return sums
 
@@ -84,7 +85,7 @@ def combine_cosines(
         space.planes, light.astype(np.float32), weights.astype(np.float32),
         exaggeration.astype(np.float32), sums,
     )  # fmt: skip
-    pieces = thread_count() if count > 20_000 else 1
+    pieces = thread_count() if count * len(space.planes) > _MANY else 1
     each(lambda a, b: _cosines(*arguments, a, b), spans(count, pieces))
     return sums
 
