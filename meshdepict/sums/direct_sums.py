@@ -50,6 +50,7 @@ _PIECE = 64  # groups of targets that a thread takes at a time
 _UNIT = math.sqrt(2 * math.log(2.0))
 # By which boxes are wider than what is in them, of the extent of all: their numbers are rounded.
 _ROUNDED = 1e-6
+_FARTHEST = 1e18  # that is finite when squared: boxes that fill up a row are at infinity
 _ONE = many(WIDE)
 
 
@@ -257,7 +258,7 @@ def _sum_groups(  # type: ignore[no-untyped-def]
     c = sums.shape[1]
     middle, half = np.empty(3), np.empty(3)
     box = np.empty(6, np.float32)
-    single = np.float32(radius / scale) ** 2
+    single = np.float32(min(radius / scale, _FARTHEST)) ** 2
     targets, places = np.empty(3 * WIDE, values.dtype), np.empty(3 * WIDE, values.dtype)
     found = np.empty(len(like) * WIDE, values.dtype)
     masks, blocks = np.empty(len(begins), np.int64), np.empty(len(begins), np.int64)
