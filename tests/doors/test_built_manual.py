@@ -107,7 +107,7 @@ def test_the_search_finds_a_method(tab, address):  # noqa: F811
 
 def test_the_slider_cuts_where_it_is_put(tab, address):  # noqa: F811
     tab.open(f"{address}/methods/exaggerated.html")
-    tab.wait("document.querySelector('.before-after.wiped input')")
+    tab.wait("document.querySelector('.before-after.wiped input') !== null")
     tab.js(
         "{const bar = document.querySelector('.before-after input'); bar.value = 25; "
         "bar.dispatchEvent(new Event('input'));}"
