@@ -14,19 +14,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshdepict.distributed.tile_files import Site
-from meshdepict.scales.smoothing import NormalSums
-from meshdepict.sums.gaussian import GaussianSums
+from meshdepict.scales.smoothing import LEAST_RESULTANT, NormalSums
+from meshdepict.sums.gaussian import MARGIN, GaussianSums
 from meshdepict.sums.shared_grid import FINEST, Blocks, block_reach, gathered_sums, spread_blocks
 
 __all__ = ["TileNormals", "channels_of", "halo_reach", "spread_tile"]
 
-_LEAST_RESULTANT = 1e-3  # that of `NormalSums`, below which no angle is promised
-_MARGIN = 4.0  # as of `sums.gaussian`: masses differ that much within a scan
-
 
 def halo_reach(tolerance: float) -> float:
     """Return how many widths away a vertex doesn't count any more."""
-    return math.sqrt(2 * math.log(_MARGIN / (tolerance * _LEAST_RESULTANT)))
+    return math.sqrt(2 * math.log(MARGIN / (tolerance * LEAST_RESULTANT)))
 
 
 def channels_of(
@@ -114,7 +111,7 @@ class TileNormals(NormalSums):
         found = self._near.at(width, error=error, targets=own, heaviest=heaviest or 0.0)
         if heaviest is None:
             heaviest = float(found[0].max())
-            short = own & (heaviest > _MARGIN * found[0])
+            short = own & (heaviest > MARGIN * found[0])
             if short.any():
                 again = self._near.at(width, error=error, targets=short, heaviest=heaviest)
                 found = found.astype(again.dtype)

@@ -15,17 +15,15 @@ from meshdepict.threads import each, spans, thread_count
 if TYPE_CHECKING:
     from meshdepict.shapes.mesh import Mesh
 
-__all__ = ["NormalSums"]
+__all__ = ["LEAST_RESULTANT", "NormalSums"]
 
 # An angle is as accurate as the sums are small against the resultant ‖m‖: METHODS' rule says that
 # below this share of the mass the tolerance no longer binds …
-_LEAST_RESULTANT = 1e-3
+LEAST_RESULTANT = 1e-3
 # … and that below this one the direction is meaningless and the next finer normal is kept.
 _NO_RESULTANT = 1e-6
 
 _SYMMETRIC = ((0, 0), (1, 1), (0, 1), (0, 2), (1, 2), (2, 2))
-
-
 _NONE = np.empty((0, 3))
 
 
@@ -143,7 +141,7 @@ class NormalSums:
         looking = _NONE if reference is None else reference.T
         each(
             lambda a, b: resultants(
-                rows, looking, reference is not None, _LEAST_RESULTANT, a, b, found, mass, share
+                rows, looking, reference is not None, LEAST_RESULTANT, a, b, found, mass, share
             ),
             spans(count, thread_count()),
         )

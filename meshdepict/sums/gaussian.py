@@ -21,12 +21,12 @@ from meshdepict.sums import grid_sums as grid
 from meshdepict.sums import spectral_sums as spectral
 from meshdepict.sums.ordered_points import OrderedPoints
 
-__all__ = ["GaussianSums", "gaussian_sums", "predicted_seconds"]
+__all__ = ["MARGIN", "GaussianSums", "gaussian_sums", "predicted_seconds"]
 
 # How much smaller than the error asked for its sources are made at first. Each of them (neglected
 # neighbours, cut frequencies, false images, rounding) is relative to the largest mass around, and
 # within a scan masses differ by a factor of about three: rims, bends, neighbouring sheets.
-_MARGIN = 4.0
+MARGIN = 4.0
 _SPECTRAL_FLOOR = 1e-13  # what transforms in double precision can reach
 _TINY = 1e-290  # a Gaussian below this is zero in double precision
 
@@ -99,7 +99,7 @@ class GaussianSums:
             float32 where that is as accurate as asked for, else float64.
         """
         xyz = np.ascontiguousarray(self._points.T) / width
-        share = error / _MARGIN
+        share = error / MARGIN
         sums = self._one_pass(xyz, width, share, targets, done)
         if targets is None:
             targets = np.ones(len(self._points), bool)
@@ -189,7 +189,7 @@ def predicted_seconds(
 
     Of its first pass: how many sums have to be done again, with more accuracy, is not known before.
     """
-    xyz, share, pairs = points.T / width, error / _MARGIN, (channels + 1) // 2
+    xyz, share, pairs = points.T / width, error / MARGIN, (channels + 1) // 2
     radius = math.sqrt(2 * math.log(1 / share))
     direct_cost = _direct_cost(xyz, radius, channels, None)
     cost, rule, count = direct_cost, grid.rule_for(share), len(points)
